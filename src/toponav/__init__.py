@@ -1,0 +1,1 @@
+"""TopoNav: training-free object navigation with a topological memory."""

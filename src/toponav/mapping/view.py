@@ -1,0 +1,102 @@
+"""What the rest of the system sees of the map: clouds, the grid and frontiers (Section III-C)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+FREE, UNKNOWN, OCCUPIED = 1, 0, -1
+"""Values of G(i, j): navigable, otherwise, obstacle."""
+
+
+@dataclass(frozen=True, eq=False)
+class PointCloud:
+    """Voxel centroids, in a fixed order (that of the voxels' first observation).
+
+    Attributes:
+        points: (N, 3) float32, world frame, metres.
+        colors: (N, 3) uint8, mean colour.
+        counts: (N,) int32, points averaged.
+    """
+
+    points: NDArray[np.float32]
+    colors: NDArray[np.uint8]
+    counts: NDArray[np.int32]
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+
+@dataclass(frozen=True, eq=False)
+class OccupancyGrid:
+    """The 2-D grid G of one floor; `cells[i, j]` covers x in origin + [i, i + 1) * resolution.
+
+    Attributes:
+        cells: (N_x, N_y) int8 of FREE, UNKNOWN, OCCUPIED; obstacles take precedence.
+        origin: (x_min, y_min) of cell (0, 0), metres.
+        resolution: r_g, metres.
+    """
+
+    cells: NDArray[np.int8]
+    origin: tuple[float, float]
+    resolution: float
+
+    def index_of(self, xy: ArrayLike) -> NDArray[np.int64]:
+        """phi(p): (..., 2) cell indices of (..., 2) positions; may lie outside the grid."""
+        offset = np.asarray(xy, dtype=np.float64)[..., :2] - self.origin
+        return np.floor(offset / self.resolution).astype(np.int64)
+
+    def center_of(self, index: ArrayLike) -> NDArray[np.float64]:
+        """(..., 2) centres of (..., 2) cells, metres."""
+        center = (np.asarray(index, dtype=np.float64) + 0.5) * self.resolution
+        return center + np.asarray(self.origin)
+
+    def contains(self, index: ArrayLike) -> NDArray[np.bool_]:
+        """Whether (..., 2) cell indices lie inside the grid."""
+        index = np.asarray(index)
+        inside: NDArray[np.bool_] = ((index >= 0) & (index < self.cells.shape)).all(axis=-1)
+        return inside
+
+
+@dataclass(frozen=True, eq=False)
+class MapView:
+    """A read-only snapshot of the map on the agent's current floor.
+
+    Attributes:
+        scene: M_scene, all floors.
+        objects: M_obj^(c) by category, all floors.
+        navigable: M_nav of the current floor.
+        obstacles: M_obs of the current floor.
+        frontiers: M_fro of the current floor, (N, 3) float64 at floor height.
+        frontier_labels: (N,) int64 cluster of each frontier point, 0-based.
+        grid: G of the current floor.
+        floor_z: z_floor of the current floor, metres.
+        floor: Index of the current floor, stable over the episode.
+    """
+
+    scene: PointCloud
+    objects: Mapping[str, PointCloud]
+    navigable: PointCloud
+    obstacles: PointCloud
+    frontiers: NDArray[np.float64]
+    frontier_labels: NDArray[np.int64]
+    grid: OccupancyGrid
+    floor_z: float
+    floor: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class FrameUpdate:
+    """What one integrated frame showed.
+
+    Attributes:
+        navigable_points: (N, 3) float32 floor points of this frame (before interpolation), one a
+            voxel, world frame: the S_dir of this view.
+        labels: Categories with at least one point in this frame.
+    """
+
+    navigable_points: NDArray[np.float32]
+    labels: tuple[str, ...]

@@ -1,0 +1,77 @@
+"""The Reasoner seam: the same query for a VLM and for the offline prior (Section III-E)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from toponav.memory.snapshot import MemorySnapshot
+from toponav.reasoning.schema import Guidance
+from toponav.registry import Registry
+
+
+@dataclass(frozen=True)
+class SeenObject:
+    """One detection of a view: its label, score and median range in metres."""
+
+    label: str
+    score: float
+    range_m: float
+
+
+@dataclass(frozen=True, eq=False)
+class PanoramaView:
+    """One view of V_t^panorama.
+
+    Attributes:
+        image: (H, W, 3) uint8.
+        bearing: World yaw of the camera's forward axis, radians.
+        seen: What the detector found, by descending score.
+        navigable_area_m2: Area of floor seen in this view.
+        frontier_count: Frontier points inside this view's horizontal wedge and depth range.
+    """
+
+    image: NDArray[np.uint8]
+    bearing: float
+    seen: tuple[SeenObject, ...]
+    navigable_area_m2: float
+    frontier_count: int
+
+
+@dataclass(frozen=True, eq=False)
+class Query:
+    """Everything a reasoner may use: T_target, M_topo, H and V_t^panorama.
+
+    Attributes:
+        target: Category name or free text.
+        memory: M_topo with history H, as text and as a graph.
+        panorama: Views in the order taken; `Guidance.direction` indexes them. Never empty.
+    """
+
+    target: str
+    memory: MemorySnapshot
+    panorama: tuple[PanoramaView, ...]
+
+
+class Reasoner(Protocol):
+    """Decides where to look next.
+
+    The answer's `node_id` is one of the snapshot's and `direction` indexes the panorama; the same
+    query gives the same answer. Calling only when due, caching and falling back are wrappers.
+    """
+
+    def decide(self, query: Query) -> Guidance:
+        """Guidance for one decision.
+
+        Raises:
+            ReasonerError: No valid answer could be had.
+        """
+        ...
+
+
+ReasonerFactory = Callable[[], Reasoner]
+reasoners: Registry[ReasonerFactory] = Registry("reasoner")
