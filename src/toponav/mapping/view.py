@@ -46,19 +46,19 @@ class OccupancyGrid:
 
     def index_of(self, xy: ArrayLike) -> NDArray[np.int64]:
         """phi(p): (..., 2) cell indices of (..., 2) positions; may lie outside the grid."""
-        offset = np.asarray(xy, dtype=np.float64)[..., :2] - self.origin
-        return np.floor(offset / self.resolution).astype(np.int64)
+        offset = np.asarray(xy, dtype=np.float64)[..., :2] - np.asarray(self.origin)
+        index: NDArray[np.int64] = np.floor(offset / self.resolution).astype(np.int64)
+        return index
 
     def center_of(self, index: ArrayLike) -> NDArray[np.float64]:
         """(..., 2) centres of (..., 2) cells, metres."""
-        center = (np.asarray(index, dtype=np.float64) + 0.5) * self.resolution
+        center: NDArray[np.float64] = (np.asarray(index, dtype=np.float64) + 0.5) * self.resolution
         return center + np.asarray(self.origin)
 
     def contains(self, index: ArrayLike) -> NDArray[np.bool_]:
         """Whether (..., 2) cell indices lie inside the grid."""
-        index = np.asarray(index)
-        inside: NDArray[np.bool_] = ((index >= 0) & (index < self.cells.shape)).all(axis=-1)
-        return inside
+        cell = np.asarray(index)
+        return np.asarray(np.all((cell >= 0) & (cell < self.cells.shape), axis=-1))
 
 
 @dataclass(frozen=True, eq=False)
