@@ -53,7 +53,8 @@ class OccupancyGrid:
     def center_of(self, index: ArrayLike) -> NDArray[np.float64]:
         """(..., 2) centres of (..., 2) cells, metres."""
         center: NDArray[np.float64] = (np.asarray(index, dtype=np.float64) + 0.5) * self.resolution
-        return center + np.asarray(self.origin)
+        center += np.asarray(self.origin)
+        return center
 
     def contains(self, index: ArrayLike) -> NDArray[np.bool_]:
         """Whether (..., 2) cell indices lie inside the grid."""
