@@ -1,0 +1,159 @@
+"""Episode results: the record, its JSON line, and files that are never left half-written."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from toponav.evaluation.metrics import (
+    BENCHMARK_RADIUS_M,
+    SUCCESS_RADII_M,
+    finite_mean,
+    soft_spl,
+    spl,
+    success,
+    wilson_interval,
+)
+
+
+@dataclass(frozen=True)
+class VlmUsage:
+    """What the reasoner's model cost in one episode; all zero for an offline reasoner."""
+
+    calls: int = 0
+    failures: int = 0
+    prompt_tokens: int = 0
+    completion_tokens: int = 0
+    cost_usd: float = 0.0
+
+
+@dataclass(frozen=True)
+class EpisodeResult:
+    """One episode, with all that is needed to score it again at another radius.
+
+    Attributes:
+        scene: Name of the scene.
+        index: Index of the episode in its scene; (scene, index) is the key.
+        target: Category searched for.
+        method: Name of the agent.
+        seed: Seed of the episode.
+        stop_called: Whether the agent ended the episode by itself.
+        distance_to_goal: DTG at the end, metres; infinite without a path.
+        shortest_path: l, DTG at the start, metres.
+        path_length: p, sum of the 3-D displacements, metres.
+        success: By radius in metres.
+        spl: At the benchmark's radius.
+        soft_spl: SoftSPL.
+        steps: Actions taken, stop included.
+        collisions: Steps that were cut short.
+        decisions: Decisions of the reasoner.
+        vlm: Model usage.
+        seconds: Wall-clock seconds by stage; not reproducible.
+        ended: "stop", "step-limit" or "error: ...".
+        floor_change: Whether the nearest goal lay on another floor than the start.
+        config_sha: Hash of the resolved configuration.
+    """
+
+    scene: str
+    index: int
+    target: str
+    method: str
+    seed: int
+    stop_called: bool
+    distance_to_goal: float
+    shortest_path: float
+    path_length: float
+    success: Mapping[str, bool]
+    spl: float
+    soft_spl: float
+    steps: int
+    collisions: int
+    decisions: int
+    seconds: Mapping[str, float]
+    ended: str
+    floor_change: bool
+    config_sha: str
+    vlm: VlmUsage = field(default_factory=VlmUsage)
+
+    @property
+    def succeeded(self) -> bool:
+        """Success at the benchmark's radius."""
+        return self.success[str(BENCHMARK_RADIUS_M)]
+
+
+@dataclass(frozen=True)
+class Score:
+    """The protocol's metrics of one finished episode."""
+
+    success: dict[str, bool]
+    spl: float
+    soft_spl: float
+
+
+def score_episode(
+    stop_called: bool, distance_to_goal: float, shortest_path: float, path_length: float
+) -> Score:
+    """Score an episode from the four numbers that the protocol stores."""
+    by_radius = {
+        str(radius): success(stop_called, distance_to_goal, radius) for radius in SUCCESS_RADII_M
+    }
+    return Score(
+        success=by_radius,
+        spl=spl(by_radius[str(BENCHMARK_RADIUS_M)], shortest_path, path_length),
+        soft_spl=soft_spl(distance_to_goal, shortest_path, path_length),
+    )
+
+
+def to_json(result: EpisodeResult) -> str:
+    """One line of `episodes.jsonl`; an infinite distance is written as null, as JSON has none."""
+    return json.dumps(_without_infinities(asdict(result)), allow_nan=False)
+
+
+def _without_infinities(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _without_infinities(item) for key, item in value.items()}
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def write_atomic(path: Path, text: str) -> None:
+    """Replace a file whole: a reader sees the old text or the new, never a part."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    temporary.write_text(text, encoding="utf-8")
+    temporary.replace(path)
+
+
+def append_line(path: Path, line: str) -> None:
+    """Append one line and flush it to the disk, so that a kill loses at most the next one."""
+    with path.open("a", encoding="utf-8") as stream:
+        stream.write(line + "\n")
+        stream.flush()
+        os.fsync(stream.fileno())
+
+
+def summarize(results: Iterable[EpisodeResult]) -> dict[str, Any]:
+    """The table row of a run: n, SR by radius with Wilson intervals, SPL, SoftSPL, DTG."""
+    episodes = list(results)
+    n = len(episodes)
+    rates = {}
+    for radius in map(str, SUCCESS_RADII_M):
+        hits = sum(episode.success[radius] for episode in episodes)
+        low, high = wilson_interval(hits, n)
+        rates[radius] = {"rate": hits / n if n else None, "interval": [low, high]}
+    dtg, unreachable = finite_mean([episode.distance_to_goal for episode in episodes])
+    return {
+        "n": n,
+        "sr": rates,
+        "spl": finite_mean([episode.spl for episode in episodes])[0],
+        "soft_spl": finite_mean([episode.soft_spl for episode in episodes])[0],
+        "dtg": dtg,
+        "unreachable": unreachable,
+        "steps": finite_mean([float(episode.steps) for episode in episodes])[0],
+    }
