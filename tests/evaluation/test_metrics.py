@@ -62,7 +62,7 @@ def test_wilson_interval_of_a_known_case() -> None:
     assert wilson_interval(0, 0) == (0.0, 1.0)
     low, high = wilson_interval(10, 10)
     assert low == pytest.approx(0.7225, abs=1e-4)
-    assert high == 1.0
+    assert high == pytest.approx(1.0)
 
 
 def test_unreachable_episodes_are_counted_and_kept_out_of_the_mean() -> None:
