@@ -3,9 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import StrEnum
 
 UNKNOWN_ROOM = "unknown"
 """R_k before a reasoner has named the room, or when rooms are ablated."""
+
+
+class NodeAttribute(StrEnum):
+    """What Table III ablates from the nodes."""
+
+    ROOM = "room"
+    OBJECTS = "objects"
+    FRONTIERS = "frontiers"
+
+
+ALL_ATTRIBUTES = frozenset(NodeAttribute)
 
 
 @dataclass(frozen=True)
@@ -16,9 +28,9 @@ class NodeView:
         id: id_k, unique and never reused.
         position: n_k = (x, y), metres, world frame.
         floor: Index of the floor the node lies on.
-        objects: O_k, sorted category names within r_topo.
+        objects: O_k, sorted category names within r_topo; empty when objects are ablated.
         room_type: R_k, or UNKNOWN_ROOM.
-        frontier_count: f_k, frontier points within r_topo.
+        frontier_count: f_k, frontier points within r_topo; 0 when frontiers are ablated.
         visits: How often the agent has arrived here.
     """
 
