@@ -7,22 +7,23 @@ key or GPU, and so that a failed model has a deterministic stand-in.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from pydantic import Field
 
-from toponav.categories import canonical, readable
+from toponav.categories import canonical
 from toponav.config_model import ConfigModel
 from toponav.memory.graph import path_lengths
 from toponav.memory.snapshot import UNKNOWN_ROOM, MemorySnapshot, NodeView
+from toponav.memory.text import clean_name
 from toponav.reasoning.affinity import (
     ROOM_TYPES,
     companions_among,
     room_belief,
     target_likelihood,
 )
-from toponav.reasoning.base import PanoramaView, Query, reasoners
+from toponav.reasoning.base import PanoramaView, Query, SeenObject, reasoners
 from toponav.reasoning.schema import Guidance
 
 
@@ -117,13 +118,11 @@ def classify_room(panorama: Sequence[PanoramaView], config: PriorConfig) -> str:
 
     Each category counts once, by its best sighting: score x nearness.
     """
-    evidence: dict[str, float] = {}
-    for view in panorama:
-        for seen in view.seen:
-            label = canonical(seen.label)
-            nearness = 1.0 / (1.0 + (seen.range_m / config.evidence_range_m) ** 2)
-            evidence[label] = max(evidence.get(label, 0.0), seen.score * nearness)
-    belief = room_belief(evidence)
+
+    def weight(seen: SeenObject) -> float:
+        return seen.score / (1.0 + (seen.range_m / config.evidence_range_m) ** 2)
+
+    belief = room_belief(_evidence((seen for view in panorama for seen in view.seen), weight))
     best = int(belief.argmax())
     return ROOM_TYPES[best] if belief[best] >= config.room_confidence else UNKNOWN_ROOM
 
@@ -166,7 +165,7 @@ def choose_direction(query: Query, node_id: int, config: PriorConfig) -> int:
     bearing = _bearing_to(query.memory, node_id)
 
     def worth(view: PanoramaView) -> float:
-        evidence = _evidence(view)
+        evidence = _evidence(view.seen, lambda seen: seen.score)
         likelihood = target_likelihood(query.target, room_belief(evidence), evidence)
         opening = (1.0 - config.area_share) * _saturated(view.frontier_count, config.frontier_half)
         opening += config.area_share * _saturated(view.navigable_area_m2, config.area_half_m2)
@@ -184,12 +183,14 @@ def best_target_score(view: PanoramaView, target: str) -> float:
     return max((seen.score for seen in view.seen if canonical(seen.label) == category), default=0.0)
 
 
-def _evidence(view: PanoramaView) -> Mapping[str, float]:
-    """Categories of a view, each with its best score."""
+def _evidence(
+    sightings: Iterable[SeenObject], weight: Callable[[SeenObject], float]
+) -> dict[str, float]:
+    """The categories sighted, each with the weight of its best sighting."""
     evidence: dict[str, float] = {}
-    for seen in view.seen:
+    for seen in sightings:
         label = canonical(seen.label)
-        evidence[label] = max(evidence.get(label, 0.0), seen.score)
+        evidence[label] = max(evidence.get(label, 0.0), weight(seen))
     return evidence
 
 
@@ -236,19 +237,20 @@ def _node(memory: MemorySnapshot, node_id: int) -> NodeView:
 
 def _explain(query: Query, best: PlaceScore, direction: int, room: str) -> str:
     """One sentence on what spoke for the choice."""
-    target = readable(canonical(query.target))
+    target = clean_name(canonical(query.target))
     node = _node(query.memory, best.node_id)
-    known = room if best.node_id == query.memory.current else node.room_type
-    what = f"place {node.id}" if known == UNKNOWN_ROOM else f"{readable(known)} place {node.id}"
-    because = f"{best.likelihood:.0%} likely to hold a {target}"
-    companions = [name for name in companions_among(query.target, node.objects) if name != target]
+    here = node.id == query.memory.current and node.room_type == UNKNOWN_ROOM
+    known = room if here else node.room_type
+    place = f"place {node.id}" if known == UNKNOWN_ROOM else f"{clean_name(known)} place {node.id}"
+    sentence = f"{place} is {best.likelihood:.0%} likely to hold the {target}"
+    companions = companions_among(query.target, node.objects)
     if companions:
-        because += f" (near {', '.join(readable(name) for name in companions)})"
-    left = f"with {node.frontier_count} frontier points left"
-    sight = ""
+        sentence += f", near {', '.join(clean_name(name) for name in companions)}"
+    if node.frontier_count:
+        sentence += f", with {node.frontier_count} frontier points left to see"
     if best_target_score(query.panorama[direction], query.target) > 0.0:
-        sight = f"; view {direction} shows a {target}"
-    return f"{what} is {because}, {left}{sight}"
+        sentence += f"; view {direction} shows the {target}"
+    return sentence
 
 
 reasoners.register("prior")(PriorReasoner)
