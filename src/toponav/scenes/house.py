@@ -71,7 +71,7 @@ class HouseObject(ConfigModel):
     position: Point3
     """Centre of the base."""
     size: Extents
-    """Extents along the object's own x, y and z; it faces its +x."""
+    """Extents along the object's own x, y and z; its back is at +y, its front at -y."""
     yaw: Angle = 0.0
     """Counter-clockwise about z, radians."""
     mesh: Name | None = None
