@@ -11,7 +11,7 @@ from memory_maps import make_map, open_grid, two_rooms
 
 from toponav.errors import InputError
 from toponav.mapping.view import OCCUPIED, OccupancyGrid
-from toponav.memory.builder import MemoryBuilder, MemoryConfig, count_within
+from toponav.memory.builder import MemoryBuilder, MemoryConfig, count_within, has_within
 from toponav.memory.snapshot import UNKNOWN_ROOM
 from toponav.memory.traversability import is_clear
 
@@ -129,9 +129,18 @@ def test_objects_and_frontiers_match_brute_force(walk, seed):
         assert builder.frontier_points_of(node.id, view).tolist() == [f.tolist() for f in frontiers]
 
 
-def test_count_within_is_strict():
-    counts = count_within(np.array([[1.0, 0.0], [0.0, 0.999]]), np.zeros((1, 2)), 1.0)
-    assert counts.tolist() == [1]
+def test_a_point_at_exactly_the_radius_is_outside():
+    points = np.array([[1.0, 0.0], [0.0, 0.5]])
+    centers = np.array([[0.0, 0.0], [2.5, 0.0]])
+    assert count_within(points, centers, 1.0).tolist() == [1, 0]
+    assert has_within(points, centers, 1.0, 1).tolist() == [True, False]
+    assert has_within(points, centers, 1.0, 2).tolist() == [False, False]
+    assert has_within(points, centers, 1.001, 2).tolist() == [True, False]
+
+
+def test_no_points_are_near_nothing():
+    assert count_within(np.empty((0, 2)), np.zeros((2, 2)), 1.0).tolist() == [0, 0]
+    assert has_within(np.empty((0, 2)), np.zeros((2, 2)), 1.0, 1).tolist() == [False, False]
 
 
 def test_refresh_leaves_other_floors_as_they_were():
@@ -168,7 +177,9 @@ def test_edge_lengths_come_from_the_planner_and_never_exceed_what_was_travelled(
     builder.arrive((0.0, 0.0), view, 0.0)
     builder.arrive((3.0, 0.0), view, 5.0, lambda a, b: 4.0)
     builder.arrive((3.0, 4.0), view, 6.0, lambda a, b: math.inf)
-    assert [(e.travelled_m, e.geodesic_m) for e in builder.memory.edges] == [(5.0, 4.0), (6.0, 6.0)]
+    builder.arrive((0.0, 4.0), view, 7.0, lambda a, b: 0.1)
+    lengths = [(edge.travelled_m, edge.geodesic_m) for edge in builder.memory.edges]
+    assert lengths == [(5.0, 4.0), (6.0, 6.0), (7.0, 3.0)]
 
 
 def test_without_a_planner_a_clear_line_counts_and_else_the_way_travelled():

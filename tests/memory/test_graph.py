@@ -40,6 +40,14 @@ def test_merging_averages_positions_keeps_the_first_and_passes_edges_on():
     )
 
 
+def test_merging_unites_what_is_known_until_it_is_recomputed():
+    memory = chain((0, 0), (1, 0))
+    memory.describe_node(1, objects=("bed", "lamp"), frontier_count=2)
+    memory.describe_node(2, objects=("bed", "chair"), frontier_count=7)
+    merged = memory.merge(1, 2)
+    assert (merged.objects, merged.frontier_count) == (("bed", "chair", "lamp"), 7)
+
+
 def test_merging_neighbours_leaves_no_self_loop():
     memory = chain((0, 0), (1, 0), (2, 0))
     memory.merge(1, 2)

@@ -111,6 +111,12 @@ def test_free_text_targets_point_to_sensible_rooms(target, rooms):
     assert rooms_of(target) == rooms
 
 
+def test_an_unheard_thing_is_wholly_where_its_cues_point():
+    kitchen = dict(zip(ROOM_TYPES, target_presence("spice grinder"), strict=True))
+    assert kitchen.pop("kitchen") == USUAL
+    assert set(kitchen.values()) == {RARE}
+
+
 def test_a_room_named_in_the_target_wins_over_common_knowledge():
     assert rooms_of("lamp in the garage", 0.5) == {"garage"}
 

@@ -198,10 +198,12 @@ def test_the_room_is_answered_even_when_the_memory_hides_rooms():
 
 
 def test_the_room_just_seen_counts_for_the_current_node():
-    memory = star(node(1, 0.0), node(2, 1.0, room="kitchen"))
+    memory = star(node(1, 0.0), node(2, 1.0, frontiers=30))
     in_a_bathroom = view(seen("sink"), seen("towel"), seen("shower"))
+    assert decide("toilet", memory).node_id == 2
     assert decide("toilet", memory, in_a_bathroom).node_id == 1
-    assert decide("fridge", memory, in_a_bathroom).node_id == 2
+    named = replace(memory, nodes=(replace(memory.nodes[0], room_type="garage"), memory.nodes[1]))
+    assert decide("toilet", named, in_a_bathroom).node_id == 2
 
 
 def test_the_target_in_sight_beats_every_opening():

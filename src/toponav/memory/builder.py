@@ -204,8 +204,10 @@ class MemoryBuilder:
         for category in sorted(map_view.objects):
             points = map_view.objects[category].points
             on_floor = points[(points[:, 2] >= low) & (points[:, 2] <= high), :2]
-            counts = count_within(on_floor, positions, self._config.r_topo)
-            for index in np.flatnonzero(counts >= self._config.min_object_points):
+            present = has_within(
+                on_floor, positions, self._config.r_topo, self._config.min_object_points
+            )
+            for index in np.flatnonzero(present):
                 found[index].append(category)
         frontiers = count_within(map_view.frontiers[:, :2], positions, self._config.r_topo)
         for node, objects, frontier_count in zip(nodes, found, frontiers, strict=True):
@@ -218,15 +220,30 @@ def count_within(
     points: NDArray[np.floating], centers: NDArray[np.float64], radius: float
 ) -> NDArray[np.int64]:
     """(K,) numbers of the (N, 2) points strictly nearer than `radius` to each of (K, 2) centers."""
-    inside = np.all(
-        (points > centers.min(axis=0) - radius) & (points < centers.max(axis=0) + radius), axis=1
-    )
-    if not inside.any():
+    if len(points) == 0:
         return np.zeros(len(centers), np.int64)
-    # Median splits and bounding-box shrinking cost more than they save for so few queries.
-    tree = cKDTree(points[inside], balanced_tree=False, compact_nodes=False)
-    counts = tree.query_ball_point(centers, np.nextafter(radius, 0.0), return_length=True)
+    counts = _tree(points).query_ball_point(centers, np.nextafter(radius, 0.0), return_length=True)
     return np.asarray(counts, dtype=np.int64)
+
+
+def has_within(
+    points: NDArray[np.floating], centers: NDArray[np.float64], radius: float, count: int
+) -> NDArray[np.bool_]:
+    """(K,) whether `count_within` is at least `count`: the count-th nearest point decides.
+
+    Several times faster than counting where categories have thousands of points.
+    """
+    low, high = centers.min(axis=0) - radius, centers.max(axis=0) + radius
+    near = points[np.all((points > low) & (points < high), axis=1)]
+    if len(near) < count:
+        return np.zeros(len(centers), np.bool_)
+    distances, _ = _tree(near).query(centers, k=[count], distance_upper_bound=radius)
+    return np.asarray(distances[:, 0] < radius)
+
+
+def _tree(points: NDArray[np.floating]) -> cKDTree:
+    # Median splits, tight boxes and small leaves cost more than they save for so few queries.
+    return cKDTree(points, leafsize=64, balanced_tree=False, compact_nodes=False)
 
 
 def _distance(a: NodeView, b: NodeView) -> float:
