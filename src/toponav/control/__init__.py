@@ -1,1 +1,1 @@
-"""TODO-DOC control."""
+"""From a waypoint to actions: planning over known free space, following, recovery."""

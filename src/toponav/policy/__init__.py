@@ -1,1 +1,1 @@
-"""TODO-DOC policy."""
+"""From guidance to a waypoint: affordances, their argmax, and the target (Section III-E)."""

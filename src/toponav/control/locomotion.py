@@ -1,0 +1,105 @@
+"""Walking to a goal over the map as it grows: planner, follower and recovery in one."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from toponav.config_model import ConfigModel
+from toponav.control.discrete import DiscreteFollower, FollowerConfig
+from toponav.control.planner import Clearance, CostField, Planner, PlannerConfig
+from toponav.control.recovery import BumpMemory, ProgressMonitor, RecoveryConfig
+from toponav.mapping.view import OccupancyGrid
+from toponav.types import Action, Observation
+
+
+class LocomotionConfig(ConfigModel):
+    """How the agent walks."""
+
+    planner: PlannerConfig = Field(default_factory=PlannerConfig)
+    """Clearances."""
+
+    follower: FollowerConfig = Field(default_factory=FollowerConfig)
+    """The motion model."""
+
+    recovery: RecoveryConfig = Field(default_factory=RecoveryConfig)
+    """Bumps and stalls."""
+
+    arrival_m: float = 0.2
+    """A goal is reached when the way to it is this short: less than a step."""
+
+
+class Progress(Enum):
+    """Where a walk stands."""
+
+    IDLE = "idle"
+    WALKING = "walking"
+    ARRIVED = "arrived"
+    GAVE_UP = "gave up"
+
+
+class Locomotion:
+    """Walks to the nearest of a set of goals, replanning on every step's map."""
+
+    def __init__(self, config: LocomotionConfig) -> None:
+        """Start idle."""
+        self._config = config
+        self._planner = Planner(config.planner)
+        self._follower = DiscreteFollower(config.follower)
+        self._bumps = BumpMemory(config.recovery)
+        self._monitor = ProgressMonitor(config.recovery)
+        self._goals = np.zeros((0, 2))
+        self.progress = Progress.IDLE
+
+    def observe(self, observation: Observation) -> None:
+        """Learn from the last action; call once a step, before anything else."""
+        if observation.collided:
+            self._bumps.add(observation.world_from_base)
+
+    def clearance(self, observation: Observation, grid: OccupancyGrid) -> Clearance:
+        """Where the agent fits on the map as it is now."""
+        blocked = grid.index_of(self._bumps.blocked_xy)
+        return self._planner.clearance(grid, observation.world_from_base.translation, blocked)
+
+    def reach(self, observation: Observation, grid: OccupancyGrid) -> CostField:
+        """Cost of walking from the agent to every cell of the known free space."""
+        here = observation.world_from_base.translation[None, :2]
+        return self._planner.cost_field(self.clearance(observation, grid), here)
+
+    def go_to(self, goals_xy: NDArray[np.floating]) -> None:
+        """Walk to the nearest of (N, 2) positions from now on."""
+        self._goals = np.asarray(goals_xy, dtype=np.float64).reshape(-1, 2)
+        self._monitor.restart()
+        self.progress = Progress.WALKING
+
+    def path(self, observation: Observation, grid: OccupancyGrid) -> NDArray[np.float64]:
+        """(K, 2) planned way to the goal; empty without one."""
+        return self._field(observation, grid).path_from(observation.world_from_base.translation)
+
+    def next_action(self, observation: Observation, grid: OccupancyGrid) -> Action | None:
+        """The next turn or step; None once `progress` says that the walk has ended."""
+        if self.progress is not Progress.WALKING:
+            return None
+        xy = observation.world_from_base.translation[:2]
+        field = self._field(observation, grid)
+        if np.hypot(*(self._goals - xy).T).min(initial=np.inf) <= self._config.arrival_m:
+            self.progress = Progress.ARRIVED
+            return None
+        action = None
+        if not self._monitor.stalled(xy):
+            action = self._follower.next_action(
+                observation.world_from_base, field, lambda heading: self._bumps.barred(xy, heading)
+            )
+        if action is None:
+            self.progress = Progress.GAVE_UP
+        return action
+
+    def face(self, observation: Observation, point_xy: NDArray[np.floating]) -> Action | None:
+        """The turn towards a point; None when it is ahead."""
+        return self._follower.face(observation.world_from_base, point_xy)
+
+    def _field(self, observation: Observation, grid: OccupancyGrid) -> CostField:
+        return self._planner.cost_field(self.clearance(observation, grid), self._goals)

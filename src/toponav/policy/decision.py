@@ -1,0 +1,75 @@
+"""What an agent decided and why, for those who watch: recorders, pictures, tests."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from toponav.mapping.view import MapView
+from toponav.memory.snapshot import MemorySnapshot
+from toponav.policy.affordances import Affordances, Phase
+from toponav.reasoning.base import PanoramaView
+from toponav.reasoning.schema import Guidance
+
+
+@dataclass(frozen=True, eq=False)
+class Decision:
+    """One decision; methods without a memory, a reasoner or affordances leave those None.
+
+    Attributes:
+        index: 0-based count in the episode.
+        step: Actions taken when it was made.
+        phase: Exploration or target acquisition.
+        waypoint: (3,) p_target, or None when nothing was left to go to.
+        path: (K, 2) planned way to it, world frame, metres.
+        map_view: The map as it was.
+        memory: M_topo and H as the reasoner saw them.
+        guidance: The reasoner's answer.
+        affordances: Every term on M_nav.
+        panorama: The views, in order.
+    """
+
+    index: int
+    step: int
+    phase: Phase
+    waypoint: NDArray[np.float64] | None
+    path: NDArray[np.float64]
+    map_view: MapView
+    memory: MemorySnapshot | None = None
+    guidance: Guidance | None = None
+    affordances: Affordances | None = None
+    panorama: tuple[PanoramaView, ...] = ()
+
+
+class DecisionListener(Protocol):
+    """Watches an agent's decisions; it never steers."""
+
+    def on_decision(self, decision: Decision) -> None:
+        """Called once a decision, right after it was made."""
+        ...
+
+    def on_close(self, map_view: MapView | None, memory: MemorySnapshot | None) -> None:
+        """Called when the agent is closed, with its last map and memory where it keeps them."""
+        ...
+
+
+class Listeners:
+    """Any number of listeners as one; without any, the null listener."""
+
+    def __init__(self, listeners: Sequence[DecisionListener] = ()) -> None:
+        """Forward to `listeners`, in order."""
+        self._listeners = tuple(listeners)
+
+    def on_decision(self, decision: Decision) -> None:
+        """Forward one decision."""
+        for listener in self._listeners:
+            listener.on_decision(decision)
+
+    def on_close(self, map_view: MapView | None, memory: MemorySnapshot | None) -> None:
+        """Forward the end of the episode."""
+        for listener in self._listeners:
+            listener.on_close(map_view, memory)
