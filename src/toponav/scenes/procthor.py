@@ -12,28 +12,22 @@ from pathlib import Path
 from typing import Annotated
 
 from pydantic import BaseModel, Field, ValidationError
-from shapely import Point, Polygon, affinity, box
+from shapely import Point, Polygon
 
 from toponav.errors import SceneError
-from toponav.scenes.house import Coordinate, House, HouseObject, Level, Opening, Point2, Room
+from toponav.scenes.house import Coordinate, House, HouseObject, Level, Opening, Room
 from toponav.scenes.house_io import read_text
 from toponav.scenes.procthor_assets import asset_category, counter_sides, typical_size
+from toponav.scenes.procthor_counters import Rectangle, counter_arms, fitting_scale
 from toponav.scenes.schema_errors import describe_schema_error
 from toponav.scenes.validation import validate_house
 
 DEFAULT_CEILING_M = 2.6
 """For a house whose walls have no height."""
 
-COUNTER_DEPTH_M = 0.62
-"""Of each arm of an L- or C-shaped counter."""
-
 MIN_DOOR_WIDTH_M = 0.7
 """Narrower holes are widened, so that the protocol's agent passes."""
 
-SMALLEST_SCALE = 0.4
-"""A footprint that sticks into a wall shrinks at most so far."""
-
-_ARMS_BY_SHAPE = {"I": 1, "L": 2, "C": 3}
 _MIN_EXTENT_M = 0.02
 
 
@@ -124,7 +118,7 @@ def _room(room: _Room, ceiling: float) -> Room:
     corners = [(corner.x, corner.z) for corner in room.floorPolygon]
     # Corners in the middle of a straight wall are kept by the source and mean nothing.
     shape = Polygon(corners).simplify(0.0) if len(corners) >= 3 else None
-    if shape is not None and shape.is_valid and not shape.is_empty:
+    if isinstance(shape, Polygon) and shape.is_valid and not shape.is_empty:
         corners = [(x, y) for x, y in shape.exterior.coords[:-1]]
     return Room(id=room.id, type=_room_type(room.roomType), polygon=corners, height=ceiling)
 
@@ -197,75 +191,37 @@ def _object(source: _Object, room: Polygon | None, support: float | None) -> Hou
     if abs(base - rest) <= height / 2.0 and source.position.y > rest:
         base, height = rest, max(2.0 * (source.position.y - rest), _MIN_EXTENT_M)
     center = (source.position.x, source.position.z)
-    yaw = math.pi - math.radians(source.rotation.y)
-    scale = 1.0 if room is None else _fitting_scale(center, (width, depth), yaw, room)
+    yaw = _yaw(source)
+    footprint = Rectangle(center, (width, depth), yaw)
+    scale = 1.0 if room is None else fitting_scale(footprint, room)
     return HouseObject(
         id=source.id,
         category=asset_category(source.id),
         position=(*center, max(base, 0.0)),
         size=(width * scale, depth * scale, height),
-        yaw=math.remainder(yaw, 2.0 * math.pi),
+        yaw=yaw,
     )
 
 
-def _fitting_scale(center: Point2, sides: tuple[float, float], yaw: float, room: Polygon) -> float:
-    """The largest scale, in tenths, at which a footprint stays inside its room."""
-    for tenths in range(10, int(10 * SMALLEST_SCALE), -1):
-        width, depth = sides[0] * tenths / 10.0, sides[1] * tenths / 10.0
-        if room.covers(_footprint(center, (width, depth), yaw)):
-            return tenths / 10.0
-    return SMALLEST_SCALE
-
-
-def _footprint(center: Point2, sides: tuple[float, float], yaw: float) -> Polygon:
-    half_width, half_depth = sides[0] / 2.0, sides[1] / 2.0
-    shape = box(
-        center[0] - half_width,
-        center[1] - half_depth,
-        center[0] + half_width,
-        center[1] + half_depth,
-    )
-    return affinity.rotate(shape, yaw, origin=center, use_radians=True)
+def _yaw(source: _Object) -> float:
+    """Their rotation is clockwise and turns the front from +z, our +y; ours starts at -y."""
+    return math.remainder(math.pi - math.radians(source.rotation.y), 2.0 * math.pi)
 
 
 def _counter(
     source: _Object, counter: tuple[str, float, float], room: Polygon
 ) -> list[HouseObject]:
-    """The arms of a counter, along those sides of its bounding box that are nearest to walls."""
-    shape, a, b = counter
+    shape, *sides = counter
     center = (source.position.x, source.position.z)
-    yaw = math.pi - math.radians(source.rotation.y)
-    # Which side is the width is not said: the one that lets it stay inside the room.
-    width, depth = max(
-        ((a, b), (b, a)),
-        key=lambda sides: _footprint(center, sides, yaw).intersection(room).area,
-    )
-    scale = _fitting_scale(center, (width, depth), yaw, room)
-    width, depth = width * scale, depth * scale
-    thick = min(COUNTER_DEPTH_M, width, depth)
-    cos, sin = math.cos(yaw), math.sin(yaw)
-    arms = []
-    for normal_yaw, run, reach in (
-        (0.0, width, depth),
-        (math.pi / 2, depth, width),
-        (math.pi, width, depth),
-        (-math.pi / 2, depth, width),
-    ):
-        # The back of this arm, its local +y, is the side of the box in that direction.
-        dx, dy = -math.sin(normal_yaw), math.cos(normal_yaw)
-        dx, dy = cos * dx - sin * dy, sin * dx + cos * dy
-        back = Point(center[0] + dx * reach / 2.0, center[1] + dy * reach / 2.0)
-        offset = (reach - thick) / 2.0
-        arm_center = (center[0] + dx * offset, center[1] + dy * offset)
-        arms.append((room.exterior.distance(back), arm_center, yaw + normal_yaw, run))
-    arms.sort(key=lambda arm: arm[0])
+    bounds = Rectangle(center, (sides[0], sides[1]), _yaw(source))
+    items = [(child.position.x, child.position.z) for child in source.children]
     return [
         HouseObject(
             id=source.id if index == 0 else f"{source.id}#{index}",
             category=asset_category(source.id),
-            position=(*arm_center, 0.0),
-            size=(run, thick, _top(source)),
-            yaw=math.remainder(arm_yaw, 2.0 * math.pi),
+            position=(*arm.center, 0.0),
+            size=(*arm.sides, _top(source)),
+            yaw=math.remainder(arm.yaw, 2.0 * math.pi),
         )
-        for index, (_, arm_center, arm_yaw, run) in enumerate(arms[: _ARMS_BY_SHAPE.get(shape, 1)])
+        for index, arm in enumerate(counter_arms(shape, bounds, room, items))
     ]
