@@ -69,9 +69,9 @@ class Locomotion:
         here = observation.world_from_base.translation[None, :2]
         return self._planner.cost_field(self.clearance(observation, grid), here)
 
-    def go_to(self, goals_xy: NDArray[np.floating]) -> None:
-        """Walk to the nearest of (N, 2) positions from now on."""
-        self._goals = np.asarray(goals_xy, dtype=np.float64).reshape(-1, 2)
+    def go_to(self, goals: NDArray[np.floating]) -> None:
+        """Walk to the nearest of (2 or 3,) or (N, 2 or 3) positions from now on."""
+        self._goals = np.atleast_2d(np.asarray(goals, dtype=np.float64))[:, :2]
         self._monitor.restart()
         self.progress = Progress.WALKING
 

@@ -67,6 +67,20 @@ class CostField:
         cell = np.where(inside[..., None], index, 0)
         return np.where(inside, self.cost[cell[..., 0], cell[..., 1]], np.inf)
 
+    def geodesic(self, a: ArrayLike, b: ArrayLike) -> float:
+        """Length of the way between the field's goal and the farther of two positions, metres.
+
+        One of them is where the field starts from; infinite when there is no way.
+        """
+        return max(self.length_from(a), self.length_from(b))
+
+    def length_from(self, xy: ArrayLike) -> float:
+        """Length of `path_from`, metres; infinite when there is no way."""
+        path = self.path_from(xy)
+        if not len(path):
+            return np.inf
+        return float(np.hypot(*np.diff(path, axis=0).T).sum())
+
     def path_from(self, xy: ArrayLike) -> NDArray[np.float64]:
         """(K, 2) cell centres down the field to its goal; empty when there is no way."""
         grid = self.clearance.grid
@@ -107,14 +121,9 @@ class Planner:
         config = self._config
         # An obstacle's surface lies anywhere in its cell, on average half a cell inside.
         fits = free & (distance + half_cell > config.radius_m)
-        here = np.hypot(
-            *np.moveaxis(
-                grid.center_of(np.moveaxis(np.indices(grid.cells.shape), 0, -1))
-                - np.asarray(agent_xy)[:2],
-                -1,
-                0,
-            )
-        )
+        x, y = (np.asarray(agent_xy, dtype=np.float64)[:2] - grid.origin) / grid.resolution
+        rows, columns = np.ogrid[: grid.cells.shape[0], : grid.cells.shape[1]]
+        here = np.hypot(rows + 0.5 - x, columns + 0.5 - y) * grid.resolution
         fits |= free & (here < config.escape_radius_m)
         shortfall = np.clip(1.0 - distance / config.preferred_clearance_m, 0.0, 1.0)
         cost = 1.0 + config.clearance_weight * shortfall**2
@@ -140,19 +149,19 @@ _NEIGHBOURS = np.array(
 
 
 @njit(cache=True)
-def _clear_between(  # type: ignore[no-untyped-def]  # compiled by numba
-    traversable, i: int, j: int, di: int, dj: int
-) -> bool:
+def _clear_between(traversable: NDArray[np.bool_], i: int, j: int, di: int, dj: int) -> bool:
     """Whether no corner is cut between a cell and its neighbour."""
     if abs(di) == 2:
-        return traversable[i + di // 2, j] and traversable[i + di // 2, j + dj]
+        return bool(traversable[i + di // 2, j] and traversable[i + di // 2, j + dj])
     if abs(dj) == 2:
-        return traversable[i, j + dj // 2] and traversable[i + di, j + dj // 2]
-    return traversable[i + di, j] and traversable[i, j + dj]
+        return bool(traversable[i, j + dj // 2] and traversable[i + di, j + dj // 2])
+    return bool(traversable[i + di, j] and traversable[i, j + dj])
 
 
 @njit(cache=True)
-def _dijkstra(traversable, cell_cost, goals):  # type: ignore[no-untyped-def]
+def _dijkstra(
+    traversable: NDArray[np.bool_], cell_cost: NDArray[np.float64], goals: NDArray[np.int64]
+) -> NDArray[np.float64]:
     """Cost-to-go by Dijkstra's algorithm with a binary heap; ties go to the lower cell index."""
     rows, columns = traversable.shape
     cost = np.full((rows, columns), np.inf)

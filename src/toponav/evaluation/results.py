@@ -111,12 +111,15 @@ def score_episode(
 
 def to_json(result: EpisodeResult) -> str:
     """One line of `episodes.jsonl`; an infinite distance is written as null, as JSON has none."""
-    return json.dumps(_without_infinities(asdict(result)), allow_nan=False)
+    return json.dumps(json_ready(asdict(result)), allow_nan=False)
 
 
-def _without_infinities(value: Any) -> Any:
+def json_ready(value: Any) -> Any:
+    """The same data with infinities and NaN as None, since JSON has no word for them."""
     if isinstance(value, dict):
-        return {key: _without_infinities(item) for key, item in value.items()}
+        return {str(key): json_ready(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [json_ready(item) for item in value]
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value

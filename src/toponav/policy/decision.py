@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from toponav.mapping.view import MapView
+from toponav.memory.graph import TopologicalMemory
 from toponav.memory.snapshot import MemorySnapshot
 from toponav.policy.affordances import Affordances, Phase
 from toponav.reasoning.base import PanoramaView
@@ -52,7 +53,7 @@ class DecisionListener(Protocol):
         """Called once a decision, right after it was made."""
         ...
 
-    def on_close(self, map_view: MapView | None, memory: MemorySnapshot | None) -> None:
+    def on_close(self, map_view: MapView | None, memory: TopologicalMemory | None) -> None:
         """Called when the agent is closed, with its last map and memory where it keeps them."""
         ...
 
@@ -69,7 +70,7 @@ class Listeners:
         for listener in self._listeners:
             listener.on_decision(decision)
 
-    def on_close(self, map_view: MapView | None, memory: MemorySnapshot | None) -> None:
+    def on_close(self, map_view: MapView | None, memory: TopologicalMemory | None) -> None:
         """Forward the end of the episode."""
         for listener in self._listeners:
             listener.on_close(map_view, memory)

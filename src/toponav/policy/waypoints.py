@@ -28,4 +28,4 @@ def select_waypoint(
     if not candidates.any():
         return None
     best = int(np.argmax(np.where(candidates, affordances.total, -np.inf)))
-    return affordances.points[best].astype(np.float64)
+    return np.asarray(affordances.points[best], dtype=np.float64)

@@ -46,27 +46,29 @@ class Shot:
 
 
 class Panorama:
-    """A panorama in the making: `begin`, `add` until it is `complete`, then `views`."""
+    """A panorama in the making: `add` while it is `collecting`, then `views`; then `begin` anew."""
 
     def __init__(self, config: PanoramaConfig, r_pcd: float) -> None:
         """Create an empty panorama; `r_pcd` is the voxel size of floor points in metres."""
         self._config = config
         self._cell_area_m2 = r_pcd * r_pcd
         self._shots: list[Shot] = []
+        self._wanted = config.views
 
     @property
-    def complete(self) -> bool:
-        """Whether all views have been taken."""
-        return len(self._shots) >= self._config.views
+    def collecting(self) -> bool:
+        """Whether views are still to be taken."""
+        return len(self._shots) < self._wanted
 
     @property
     def shots(self) -> tuple[Shot, ...]:
         """The views taken so far, in order."""
         return tuple(self._shots)
 
-    def begin(self) -> None:
-        """Forget the views taken so far."""
+    def begin(self, views: int | None = None) -> None:
+        """Forget the views taken so far and want `views` new ones, by default a whole panorama."""
         self._shots.clear()
+        self._wanted = self._config.views if views is None else views
 
     def add(self, observation: Observation, detections: Detections, update: FrameUpdate) -> None:
         """Take one view from an observation that the map has already integrated."""

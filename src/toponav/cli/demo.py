@@ -1,0 +1,44 @@
+"""`toponav demo`: one episode in a generated house."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from toponav.cli.options import JsonFlag
+
+
+@dataclass(frozen=True)
+class Demo:
+    """Find an object in a generated house: no GPU, no simulator, no key.
+
+    Writes the resolved configuration, the result, the path, every decision and pictures.
+    """
+
+    seed: int = 0
+    """Seed of the house and of the episode."""
+
+    target: str | None = None
+    """What to find; by default what the house's first episode asks for."""
+
+    out: Path = Path("runs/demo")
+    """Folder for the results."""
+
+    json: JsonFlag = False
+    """Print the result as one JSON object on stdout."""
+
+    def run(self) -> None:
+        """Generate the house and run its first episode."""
+        from toponav.cli.console import Output
+        from toponav.cli.episode import resolve_config, result_data, result_line, run_one
+        from toponav.cli.options import AgentOptions, fresh_folder
+        from toponav.evaluation.runner import retarget
+        from toponav.scenes.loading import load_scene
+
+        output = Output(self.json)
+        folder = fresh_folder(self.out)
+        scene = load_scene(f"generated:{self.seed}")
+        episode = retarget(scene.episodes[0], self.target)
+        result = run_one(scene, resolve_config(AgentOptions(seed=self.seed)), episode, folder, output)
+        output.say(f"pictures and records: {folder}")
+        output.result(result_line(result), result_data(result, folder))

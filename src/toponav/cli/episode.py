@@ -1,0 +1,148 @@
+"""One episode with live progress and pictures: what `demo` and `run` share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from toponav.categories import readable
+from toponav.cli.console import Output
+from toponav.cli.options import AgentOptions, image_size, overrides
+from toponav.config import config_json, with_overrides
+from toponav.envs.simulator import HouseEnvConfig
+from toponav.evaluation.recorder import EpisodeRecorder
+from toponav.evaluation.results import EpisodeResult, to_json, write_atomic
+from toponav.evaluation.run_config import RunConfig, run_config
+from toponav.evaluation.runner import SceneRunner
+from toponav.mapping.view import MapView
+from toponav.memory.snapshot import MemorySnapshot
+from toponav.policy.decision import Decision
+from toponav.scenes.mesh import Scene, SceneEpisode
+from toponav.types import Action, Observation
+from toponav.viz.panorama import save_panorama
+from toponav.viz.topdown import TopDownPicture, points_of, save_topdown
+
+
+def resolve_config(options: AgentOptions) -> RunConfig:
+    """The run's configuration from the command line.
+
+    Raises:
+        InputError: A value that cannot be used; the message names it.
+    """
+    width, height = image_size(options.camera)
+    env = HouseEnvConfig(width=width, height=height, max_steps=options.max_steps)
+    config = run_config(options.preset, options.method, options.seed, env)
+    config = config.model_copy(
+        update={"detector": options.detector, "reasoner": options.reasoner}
+    )
+    return with_overrides(config, overrides(options.set))
+
+
+@dataclass
+class Narrator:
+    """Tells and draws an episode as it goes; never steers it."""
+
+    output: Output
+    folder: Path
+    target: str
+    every_steps: int = 50
+    positions: list[NDArray[np.float64]] = field(default_factory=list)
+    memory: MemorySnapshot | None = None
+    map_view: MapView | None = None
+
+    def on_step(self, observation: Observation, action: Action) -> None:
+        """Remember the path; say now and then how far the episode is."""
+        self.positions.append(observation.world_from_base.translation)
+        if observation.step and observation.step % self.every_steps == 0:
+            self.output.say(f"step {observation.step:3d}  {action.name.lower()}")
+
+    def on_decision(self, decision: Decision) -> None:
+        """Say what was decided and why, and draw the panorama it rests on."""
+        where = "" if decision.memory is None else f"  at node {decision.memory.current}"
+        self.output.say(
+            f"step {decision.step:3d}  {decision.phase.value}{where}  {_reasoning(decision)}"
+        )
+        if decision.panorama:
+            name = f"panorama_{decision.index:02d}.jpg"
+            save_panorama(
+                decision.panorama, decision.guidance, self.target, self.folder / name
+            )
+
+    def on_close(self, map_view: MapView | None, memory: MemorySnapshot | None) -> None:
+        """Keep the last map and memory for the picture."""
+        self.map_view = map_view
+        self.memory = memory
+
+
+def _reasoning(decision: Decision) -> str:
+    guidance = decision.guidance
+    if guidance is None:
+        return "" if decision.waypoint is None else "next frontier"
+    return (
+        f"room: {readable(guidance.room_type)}; next: node {guidance.node_id}, "
+        f"view {guidance.direction}; {guidance.reason}"
+    )
+
+
+def run_one(
+    scene: Scene, config: RunConfig, episode: SceneEpisode | None, folder: Path, output: Output
+) -> EpisodeResult:
+    """Run one episode and write everything about it into `folder`.
+
+    Args:
+        scene: Where.
+        config: How.
+        episode: What and from where; None draws one from the seed.
+        folder: Gets config.json, result.json, trajectory.jsonl, decisions.jsonl, memory.json,
+            topdown.png and a panorama a decision.
+        output: Where to tell about it.
+
+    Raises:
+        EpisodeError: The target or the start does not fit the scene.
+    """
+    runner = SceneRunner(scene, config)
+    spec = runner.episodes(1)[0] if episode is None else runner.spec(0, episode)
+    for stale in folder.glob("panorama_*.jpg"):
+        stale.unlink()
+    write_atomic(folder / "config.json", config_json(config))
+    recorder = EpisodeRecorder(folder)
+    narrator = Narrator(output, folder, spec.episode.target)
+    output.say(f"searching for a {readable(spec.episode.target)} in {scene.name}")
+    result = runner.run(spec, (recorder, narrator), (recorder, narrator))
+    write_atomic(folder / "result.json", to_json(result) + "\n")
+    if narrator.map_view is not None:
+        picture = TopDownPicture(
+            map_view=narrator.map_view,
+            trajectory=points_of(narrator.positions),
+            memory=narrator.memory,
+            target=result.target,
+            title=result_line(result),
+        )
+        save_topdown(picture, folder / "topdown.png")
+    return result
+
+
+def result_line(result: EpisodeResult) -> str:
+    """The episode in one plain line."""
+    found = "found" if result.succeeded else "did not find"
+    distance = (
+        "no path to it"
+        if np.isinf(result.distance_to_goal)
+        else f"{result.distance_to_goal:.2f} m from it"
+    )
+    return (
+        f"{found} {readable(result.target)} in {result.scene}: {result.steps} steps, "
+        f"{result.path_length:.1f} m (shortest {result.shortest_path:.1f} m), "
+        f"SPL {result.spl:.2f}, ended by {result.ended} {distance}"
+    )
+
+
+def result_data(result: EpisodeResult, folder: Path) -> dict[str, Any]:
+    """The same for programs: the record of `result.json` and where it lies."""
+    import json
+
+    return {**json.loads(to_json(result)), "out": str(folder)}

@@ -1,0 +1,68 @@
+"""The command line: parses, runs one command, and turns errors into exit codes.
+
+0: the command did its work (an episode that does not find its object is a result, not a failure);
+1: a run failed; 2: bad usage or bad input, said in one line.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from typing import Annotated
+
+import tyro
+
+from toponav.cli.bench import Bench
+from toponav.cli.demo import Demo
+from toponav.cli.eval import Eval
+from toponav.cli.map import Map
+from toponav.cli.run import Run
+from toponav.cli.scenes import Scenes
+from toponav.errors import InputError, TopoNavError
+
+Command = (
+    Annotated[Demo, tyro.conf.subcommand("demo")]
+    | Annotated[Run, tyro.conf.subcommand("run")]
+    | Annotated[Eval, tyro.conf.subcommand("eval")]
+    | Annotated[Map, tyro.conf.subcommand("map")]
+    | Annotated[Scenes, tyro.conf.subcommand("scenes")]
+    | Annotated[Bench, tyro.conf.subcommand("bench")]
+)
+
+OK, FAILED_RUN, BAD_USAGE = 0, 1, 2
+INTERRUPTED = 130
+"""What shells expect after Ctrl-C: 128 + SIGINT."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; returns its exit code. Usage errors of the parser exit with 2."""
+    command = tyro.cli(
+        Command,  # type: ignore[arg-type]  # a union of subcommands, as tyro documents
+        prog="toponav",
+        description="Find an object named by a category in a building never seen before.",
+        args=arguments,
+        config=(tyro.conf.OmitSubcommandPrefixes, tyro.conf.OmitArgPrefixes),
+    )
+    try:
+        command.run()
+    except InputError as error:
+        return _report(error, BAD_USAGE)
+    except TopoNavError as error:
+        return _report(error, FAILED_RUN)
+    except OSError as error:
+        where = f" {error.filename}" if error.filename else ""
+        return _report(f"cannot read or write{where}: {error.strerror or error}", FAILED_RUN)
+    except KeyboardInterrupt:
+        return _report("interrupted; what was finished has been written", INTERRUPTED)
+    return OK
+
+
+def _report(error: object, exit_code: int) -> int:
+    """One line on stderr."""
+    sys.stderr.write(f"toponav: {' '.join(str(error).split())}\n")
+    return exit_code
+
+
+def entry_point() -> None:
+    """The `toponav` console script."""
+    sys.exit(main())

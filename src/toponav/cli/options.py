@@ -1,0 +1,97 @@
+"""Options that several commands share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+
+from toponav.errors import InputError
+
+JsonFlag = Annotated[bool, tyro.conf.arg(name="json"), tyro.conf.FlagCreatePairsOff]
+
+
+@dataclass(frozen=True)
+class AgentOptions:
+    """Which agent searches, and how."""
+
+    method: str = "toponav"
+    """toponav, frontier or random."""
+
+    preset: Literal["default", "paper"] = "default"
+    """Parameter set: the paper's, or the best we can do."""
+
+    detector: str = "oracle"
+    """Perception: oracle reads the simulator's true labels."""
+
+    reasoner: str = "prior"
+    """What plays the VLM: prior is offline and deterministic."""
+
+    seed: int = 0
+    """Seed of everything random."""
+
+    camera: str = "640x480"
+    """Image size, WIDTHxHEIGHT; the field of view stays that of the protocol."""
+
+    max_steps: int = 500
+    """Step limit of an episode."""
+
+    set: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = field(default=())
+    """Override any value of config.json, as --set navigator.memory.d_merge=2; repeatable."""
+
+
+def image_size(text: str) -> tuple[int, int]:
+    """Width and height from WIDTHxHEIGHT.
+
+    Raises:
+        InputError: Not two positive integers.
+    """
+    width, _, height = text.lower().partition("x")
+    if not (width.isdigit() and height.isdigit() and int(width) > 0 and int(height) > 0):
+        raise InputError(f"an image size is WIDTHxHEIGHT such as 640x480, not {text!r}")
+    return int(width), int(height)
+
+
+def overrides(settings: tuple[str, ...]) -> dict[str, str]:
+    """Dotted keys and values of `--set key=value`.
+
+    Raises:
+        InputError: A setting without an equals sign.
+    """
+    pairs = {}
+    for setting in settings:
+        key, equals, value = setting.partition("=")
+        if not equals or not key:
+            raise InputError(f"--set takes key=value, not {setting!r}")
+        pairs[key.strip()] = value.strip()
+    return pairs
+
+
+def start_pose(text: str) -> tuple[tuple[float, float, float], float]:
+    """Position in metres and yaw in radians from x,y,z,yaw.
+
+    Raises:
+        InputError: Not four numbers.
+    """
+    try:
+        x, y, z, yaw = (float(part) for part in text.split(","))
+    except ValueError as error:
+        raise InputError(
+            f"--start takes x,y,z,yaw (metres and radians) such as 1.5,2,0,1.57, not {text!r}"
+        ) from error
+    return (x, y, z), yaw
+
+
+def fresh_folder(path: Path) -> Path:
+    """Make the output folder, or say why it cannot be made.
+
+    Raises:
+        InputError: The path is a file or cannot be created.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"cannot make the output folder {path}: {error.strerror}") from error
+    return path

@@ -1,0 +1,143 @@
+"""One episode from reset to its end, by the protocol."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+
+from toponav.categories import canonical
+from toponav.envs.simulator import HouseEnv
+from toponav.errors import TopoNavError
+from toponav.evaluation.results import EpisodeResult, score_episode
+from toponav.scenes.mesh import SceneEpisode
+from toponav.types import Action, Agent, Observation
+
+FLOOR_CHANGE_M = 1.0
+"""When even the nearest goal in height is this far above or below, it is on another floor."""
+
+
+@dataclass(frozen=True)
+class EpisodeSpec:
+    """An episode of a scene; (scene, index) is its key.
+
+    Attributes:
+        scene: Name of the scene.
+        index: Index among the scene's episodes.
+        episode: Target and start pose.
+        seed: Seeds everything random in the episode.
+    """
+
+    scene: str
+    index: int
+    episode: SceneEpisode
+    seed: int
+
+
+class StepObserver(Protocol):
+    """Watches an episode step by step; it may record or draw but never steers."""
+
+    def on_step(self, observation: Observation, action: Action) -> None:
+        """Called after the agent has chosen `action` on `observation`."""
+        ...
+
+
+@dataclass
+class Rollout:
+    """What the metrics need, gathered while the episode runs."""
+
+    shortest_path: float
+    floor_change: bool
+    path_length: float = 0.0
+    steps: int = 0
+    collisions: int = 0
+    ended: str = ""
+    distance_to_goal: float = 0.0
+    seconds: dict[str, float] = field(
+        default_factory=lambda: {"simulation": 0.0, "agent": 0.0, "total": 0.0}
+    )
+
+    def scored(
+        self, spec: EpisodeSpec, method: str, decisions: int, config_sha: str
+    ) -> EpisodeResult:
+        """The result record."""
+        stopped = self.ended == "stop"
+        score = score_episode(
+            stopped, self.distance_to_goal, self.shortest_path, self.path_length
+        )
+        return EpisodeResult(
+            scene=spec.scene,
+            index=spec.index,
+            target=canonical(spec.episode.target),
+            method=method,
+            seed=spec.seed,
+            stop_called=stopped,
+            distance_to_goal=self.distance_to_goal,
+            shortest_path=self.shortest_path,
+            path_length=self.path_length,
+            success=score.success,
+            spl=score.spl,
+            soft_spl=score.soft_spl,
+            steps=self.steps,
+            collisions=self.collisions,
+            decisions=decisions,
+            seconds=self.seconds,
+            ended=self.ended,
+            floor_change=self.floor_change,
+            config_sha=config_sha,
+        )
+
+
+def roll_out(
+    env: HouseEnv, agent: Agent, spec: EpisodeSpec, observers: Sequence[StepObserver] = ()
+) -> Rollout:
+    """Run one episode; the agent is reset here but not closed.
+
+    An error that the agent raises on purpose ends the episode and is named in `ended`.
+
+    Raises:
+        EpisodeError: The target or the start pose does not fit the scene.
+    """
+    clock = time.perf_counter()
+    target = canonical(spec.episode.target)
+    start = (*spec.episode.start, spec.episode.yaw)
+    env.reset(seed=spec.seed, options={"target": target, "start": start})
+    heights = env.oracle.viewpoints(target)[:, 2]
+    rollout = Rollout(
+        shortest_path=env.oracle.distance_to_goal(),
+        floor_change=bool(np.all(np.abs(heights - spec.episode.start[2]) > FLOOR_CHANGE_M)),
+    )
+    agent.reset(target)
+    rollout.ended = _step_until_end(env, agent, rollout, observers)
+    rollout.distance_to_goal = env.oracle.distance_to_goal()
+    rollout.seconds["total"] = time.perf_counter() - clock
+    return rollout
+
+
+def _step_until_end(
+    env: HouseEnv, agent: Agent, rollout: Rollout, observers: Sequence[StepObserver]
+) -> str:
+    """Step until stop, the step limit or an error; says which it was."""
+    observation = env.observe()
+    while True:
+        clock = time.perf_counter()
+        try:
+            action = agent.act(observation)
+        except TopoNavError as error:
+            return f"error: {error}"
+        rollout.seconds["agent"] += time.perf_counter() - clock
+        for observer in observers:
+            observer.on_step(observation, action)
+        clock = time.perf_counter()
+        before = env.position
+        _, _, terminated, truncated, _ = env.step(int(action))
+        rollout.steps += 1
+        rollout.path_length += float(np.linalg.norm(env.position - before))
+        rollout.collisions += int(env.collided)
+        if terminated or truncated:
+            return "stop" if terminated else "step-limit"
+        observation = env.observe()
+        rollout.seconds["simulation"] += time.perf_counter() - clock

@@ -1,0 +1,51 @@
+"""The configuration of a run: method, perception, reasoner, environment and seed."""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from toponav.config import NavigatorConfig, preset
+from toponav.config_model import ConfigModel
+from toponav.envs.simulator import HouseEnvConfig
+
+
+class RunConfig(ConfigModel):
+    """All that determines an episode's actions; saved as `config.json` beside the results."""
+
+    method: str = "toponav"
+    """The agent: toponav or a baseline."""
+
+    preset: str = "default"
+    """Where the navigator's values came from: paper or default, before any override."""
+
+    detector: str = "oracle"
+    """Perception; `oracle` reads the simulator's labels and is named in every result."""
+
+    reasoner: str = "prior"
+    """What plays the VLM; `prior` is offline and deterministic."""
+
+    seed: int = 0
+    """Seed of the run; episodes derive theirs from it."""
+
+    navigator: NavigatorConfig = Field(default_factory=NavigatorConfig)
+    """Every parameter of the agent."""
+
+    env: HouseEnvConfig = Field(default_factory=HouseEnvConfig)
+    """The protocol's agent and camera, and the noise models."""
+
+
+def run_config(
+    preset_name: str, method: str = "toponav", seed: int = 0, env: HouseEnvConfig | None = None
+) -> RunConfig:
+    """The configuration of a preset.
+
+    Raises:
+        ConfigError: Unknown preset.
+    """
+    return RunConfig(
+        method=method,
+        preset=preset_name,
+        seed=seed,
+        navigator=preset(preset_name),
+        env=env or HouseEnvConfig(),
+    )

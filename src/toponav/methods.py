@@ -1,0 +1,55 @@
+"""Every navigation method by name: `toponav`, the baselines, and what a user registers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from toponav.baselines.frontier import FrontierAgent
+from toponav.baselines.random_walk import RandomAgent
+from toponav.config import NavigatorConfig
+from toponav.navigator import Navigator
+from toponav.perception.base import Detector
+from toponav.policy.decision import DecisionListener, Listeners
+from toponav.reasoning.base import Reasoner
+from toponav.registry import Registry
+from toponav.types import Agent
+
+
+@dataclass(frozen=True, eq=False)
+class AgentContext:
+    """What a method is built from; a method takes what it needs.
+
+    Attributes:
+        detector: Perception.
+        reasoner: Plays the VLM.
+        config: Shared by all methods, so that they differ in what they explore and not in their
+            map, planner or stop rule.
+        seed: Seeds whatever the method draws at random.
+        listener: Watches the decisions.
+    """
+
+    detector: Detector
+    reasoner: Reasoner
+    config: NavigatorConfig
+    seed: int = 0
+    listener: DecisionListener = field(default_factory=Listeners)
+
+
+AgentFactory = Callable[[AgentContext], Agent]
+methods: Registry[AgentFactory] = Registry("method")
+
+
+@methods.register("toponav")
+def _toponav(context: AgentContext) -> Agent:
+    return Navigator(context.detector, context.reasoner, context.config, context.listener)
+
+
+@methods.register("frontier")
+def _frontier(context: AgentContext) -> Agent:
+    return FrontierAgent(context.detector, context.config, context.listener)
+
+
+@methods.register("random")
+def _random(context: AgentContext) -> Agent:
+    return RandomAgent(context.detector, context.config, context.seed, context.listener)

@@ -1,0 +1,188 @@
+"""TopoNav, the paper's Section III as one loop: perceive, map, remember, reason, walk.
+
+`Navigator.act` is the pipeline, and `Navigator._decide` what happens at a waypoint, in the paper's
+order; each line calls the room of that name.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from toponav.categories import canonical
+from toponav.config import NavigatorConfig
+from toponav.control.locomotion import Locomotion, Progress
+from toponav.control.planner import CostField
+from toponav.control.recovery import BarrenWaypoints
+from toponav.control.vantage import vantage_point
+from toponav.mapping.semantic_map import SemanticMap
+from toponav.mapping.view import MapView
+from toponav.memory.builder import MemoryBuilder
+from toponav.perception.base import Detector
+from toponav.policy.affordances import Affordances, Phase, acquisition, exploration
+from toponav.policy.decision import Decision, DecisionListener, Listeners
+from toponav.policy.goal import GoalTracker
+from toponav.policy.odometry import Odometry
+from toponav.policy.waypoints import select_waypoint
+from toponav.reasoning.base import Query, Reasoner
+from toponav.reasoning.panorama import Panorama
+from toponav.reasoning.schema import Guidance
+from toponav.types import Action, Detections, Observation
+
+
+class Navigator:
+    """Finds an object of a named category from posed RGB-D images; an `Agent`."""
+
+    def __init__(
+        self,
+        detector: Detector,
+        reasoner: Reasoner,
+        config: NavigatorConfig | None = None,
+        listener: DecisionListener | None = None,
+    ) -> None:
+        """Compose the parts.
+
+        Args:
+            detector: Finds the categories of the vocabulary in an image.
+            reasoner: Plays the VLM of Section III-E.
+            config: Every parameter; the paper's by default.
+            listener: Watches the decisions.
+        """
+        self.config = config or NavigatorConfig()
+        self._detector = detector
+        self._reasoner = reasoner
+        self._listener = listener or Listeners()
+        self.reset("")
+
+    def reset(self, goal: str) -> None:
+        """Forget the last episode and look for an object of category `goal`."""
+        config = self.config
+        self._target = canonical(goal)
+        self._vocabulary = tuple(dict.fromkeys((self._target, *config.vocabulary)))
+        self._map = SemanticMap(config.map)
+        self._memory = MemoryBuilder(config.memory)
+        self._panorama = Panorama(config.panorama, config.map.r_pcd)
+        self._goal = GoalTracker(config.goal)
+        self._locomotion = Locomotion(config.locomotion)
+        self._barren = BarrenWaypoints(config.locomotion.recovery)
+        self._odometry = Odometry()
+        self._phase = Phase.EXPLORATION
+        self._waypoint: NDArray[np.float64] | None = None
+        self._decisions = 0
+
+    def act(self, observation: Observation) -> Action:
+        """The next action: one more view of the panorama, a step of the path, or stop."""
+        detections = self._detector.detect(observation.rgb, self._vocabulary)
+        update = self._map.integrate(observation, detections)  # Section III-C
+        self._odometry.add(observation)
+        self._locomotion.observe(observation)
+        view = self._map.view()
+        if self._panorama.collecting:
+            self._panorama.add(observation, detections, update)
+            if self._panorama.collecting:
+                return Action.TURN_LEFT
+            self._decide(observation, view)
+        elif self._sights_target(detections, view):
+            self._panorama.begin(views=1)
+            self._panorama.add(observation, detections, update)
+            self._decide(observation, view)
+        action = self._walk(observation, view)
+        if action is None:  # at the waypoint, or as near as one gets: look around anew
+            self._panorama.begin()
+            self._panorama.add(observation, detections, update)
+            return Action.TURN_LEFT
+        return action
+
+    def close(self) -> None:
+        """Tell the listener that the episode is over."""
+        view = self._map.view() if self._odometry.started else None
+        self._listener.on_close(view, self._memory.memory)
+
+    def _decide(self, observation: Observation, view: MapView) -> None:
+        """At a waypoint: remember the place (III-D), ask the reasoner, choose p_target (III-E)."""
+        reach = self._locomotion.reach(observation, view.grid)
+        node = self._memory.arrive(
+            self._odometry.position_xy, view, self._odometry.since_arrival_m, reach.geodesic
+        )
+        self._odometry.arrive()
+        self._memory.refresh(view)
+        panorama = self._panorama.views(view)
+        snapshot = self._memory.snapshot(node)
+        guidance = self._reasoner.decide(Query(self._target, snapshot, panorama))
+        self._memory.set_room(node, guidance.room_type)
+        # The paper's condition: g_found = 1 and T_target in O; anything else explores on.
+        acquiring = guidance.target_found and self._goal.is_mapped(view, self._target)
+        self._phase = Phase.TARGET_ACQUISITION if acquiring else Phase.EXPLORATION
+        affordances = self._affordances(view, guidance)
+        self._waypoint = select_waypoint(affordances, self._admissible(affordances, reach))
+        path = np.zeros((0, 2))
+        if self._waypoint is not None:
+            self._locomotion.go_to(self._waypoint)
+            path = self._locomotion.path(observation, view.grid)
+        self._listener.on_decision(
+            Decision(
+                index=self._decisions,
+                step=observation.step,
+                phase=self._phase,
+                waypoint=self._waypoint,
+                path=path,
+                map_view=view,
+                memory=snapshot,
+                guidance=guidance,
+                affordances=affordances,
+                panorama=panorama,
+            )
+        )
+        self._decisions += 1
+
+    def _affordances(self, view: MapView, guidance: Guidance) -> Affordances:
+        """A on M_nav, of the phase."""
+        config = self.config.affordances
+        s_dir = self._panorama.direction_points(guidance.direction)
+        if self._phase is Phase.TARGET_ACQUISITION:
+            return acquisition(view, s_dir, self._goal.points(view, self._target), config)
+        s_node = self._memory.frontier_points_of(guidance.node_id, view)
+        return exploration(view, s_dir, s_node, self._odometry.history, config)
+
+    def _admissible(self, affordances: Affordances, reach: CostField) -> NDArray[np.bool_]:
+        """Points that can be walked to and have not just been tried in vain."""
+        reachable = np.isfinite(reach.at(affordances.points[:, :2]))
+        return reachable & self._barren.admissible(affordances.points, self._decisions)
+
+    def _walk(self, observation: Observation, view: MapView) -> Action | None:
+        """A turn or step towards p_target, stop at the target; None when the walk has ended."""
+        if self._waypoint is None:
+            return Action.STOP  # nothing left that can be reached: the search is over
+        acquiring = self._phase is Phase.TARGET_ACQUISITION
+        if acquiring and self._goal.reached(observation.world_from_camera, view, self._target):
+            return Action.STOP
+        action = self._locomotion.next_action(observation, view.grid)
+        if action is None and acquiring:
+            action = self._close_in(observation, view)
+        if action is None and self._locomotion.progress is Progress.GAVE_UP:
+            self._barren.add(self._waypoint, self._decisions)
+        return action
+
+    def _close_in(self, observation: Observation, view: MapView) -> Action | None:
+        """The last metre, where A_dir + A_sem peaks short of the target: go where it is seen."""
+        vantage = vantage_point(
+            self._goal.points(view, self._target),
+            self._goal,
+            view,
+            self._locomotion.reach(observation, view.grid),
+            observation.world_from_camera.translation[2] - view.floor_z,
+        )
+        if vantage is None:
+            return None
+        self._waypoint = vantage
+        self._locomotion.go_to(vantage)
+        return self._locomotion.next_action(observation, view.grid)
+
+    def _sights_target(self, detections: Detections, view: MapView) -> bool:
+        """Whether the target has just come into view on the way (preset `default`)."""
+        return (
+            self.config.decide_on_sight
+            and self._phase is Phase.EXPLORATION
+            and self._target in detections.labels
+            and self._goal.is_mapped(view, self._target)
+        )
