@@ -7,21 +7,23 @@ every connection becomes a door or an open passage, and rooms that cannot be rea
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
-import networkx as nx
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from toponav.errors import SceneError
 from toponav.geometry.conventions import WORLD_FROM_HABITAT
-from toponav.scenes.house import COORDINATE_LIMIT_M, House, Level, Room
+from toponav.scenes.house import COORDINATE_LIMIT_M, House, Level, Room, Stairs
 from toponav.scenes.house_io import read_text
-from toponav.scenes.plan_passages import PassageBuilder, make_opening
-from toponav.scenes.plan_rooms import RoomBox, plan_rooms
-from toponav.scenes.plan_storeys import Storey, find_storeys
+from toponav.scenes.plan_grid import CELL_M
+from toponav.scenes.plan_home import HomePlanner, StoreyPlan
+from toponav.scenes.plan_passages import make_opening
+from toponav.scenes.plan_rooms import RoomBox
+from toponav.scenes.plan_stairs import WIDTH_CELLS
 from toponav.scenes.schema_errors import describe_schema_error
 from toponav.scenes.validation import validate_house
 
@@ -30,6 +32,9 @@ OUTDOOR = "outdoor area"
 
 CEILING_RANGE_M = (2.3, 3.2)
 """A room is as high as its box within these bounds: boxes may be half a room or two storeys."""
+
+SLAB_M = 0.2
+"""Between a ceiling and the floor above it."""
 
 _ROOM_PREFIX = "room_"
 
@@ -82,11 +87,17 @@ def import_domestigraph(path: Path | str, seed: int = 0) -> House:
     """
     path = Path(path)
     rooms, connections = _parse(path)
+    boxes = [_box(key, room) for key, room in rooms.items()]
+    spans = {
+        key: (room.centroid.y - room.dims.y / 2.0, room.centroid.y + room.dims.y / 2.0)
+        for key, room in rooms.items()
+    }
     try:
-        levels = _plan_levels(rooms, connections)
+        planner = HomePlanner(boxes, spans, connections)
     except SceneError as error:
         raise SceneError(f"{path}: {error}") from None
-    house = House(name=path.stem, levels=levels)
+    heights = {key: room.dims.y for key, room in rooms.items()}
+    house = _house(path.stem, planner, heights)
     validate_house(house)
     return house
 
@@ -114,42 +125,6 @@ def _parse(path: Path) -> tuple[dict[int, _GraphRoom], list[tuple[int, int]]]:
     return rooms, sorted(pairs)
 
 
-def _plan_levels(
-    rooms: Mapping[int, _GraphRoom], connections: list[tuple[int, int]]
-) -> list[Level]:
-    """The storeys of the home, reduced to the largest part that is connected."""
-    spans = {
-        key: (room.centroid.y - room.dims.y / 2.0, room.centroid.y + room.dims.y / 2.0)
-        for key, room in rooms.items()
-    }
-    storeys = find_storeys(spans)
-    plans = []
-    first_free_key = max(rooms) + 1
-    for storey in storeys:
-        plan = _plan_storey(storey, rooms, connections, first_free_key)
-        first_free_key = max((first_free_key, *(key + 1 for key in plan.labels)))
-        plans.append(plan)
-    reachable = _largest_connected_part(plans)
-    levels = [
-        _level(storey, plan, rooms, reachable) for storey, plan in zip(storeys, plans, strict=True)
-    ]
-    return [level for level in levels if level.rooms]
-
-
-def _plan_storey(
-    storey: Storey,
-    rooms: Mapping[int, _GraphRoom],
-    connections: list[tuple[int, int]],
-    first_free_key: int,
-) -> PassageBuilder:
-    grid, absorbers = plan_rooms([_box(key, rooms[key]) for key in storey.rooms])
-    labels = {key: rooms[key].label for key in storey.rooms if grid.mask(key).any()}
-    builder = PassageBuilder(grid, labels, first_free_key)
-    pairs = [(absorbers.get(a, a), absorbers.get(b, b)) for a, b in connections]
-    builder.connect([(a, b) for a, b in pairs if a in labels and b in labels and a != b])
-    return builder
-
-
 def _box(key: int, room: _GraphRoom) -> RoomBox:
     """The footprint in our frame (x, -z of Habitat's)."""
     center = WORLD_FROM_HABITAT.apply([room.centroid.x, room.centroid.y, room.centroid.z])
@@ -164,45 +139,54 @@ def _box(key: int, room: _GraphRoom) -> RoomBox:
     )
 
 
-def _largest_connected_part(plans: list[PassageBuilder]) -> set[int]:
-    """Keys of the rooms of the connected part with the largest floor, outdoor areas aside."""
-    graph: nx.Graph[int] = nx.Graph()
-    for plan in plans:
-        for key, label in plan.labels.items():
-            indoor = 0 if label == OUTDOOR else int(plan.grid.mask(key).sum())
-            graph.add_node(key, area=indoor)
-        graph.add_edges_from(pair for pair, _, _ in plan.openings())
-    parts = sorted(nx.connected_components(graph), key=min)
-    return set(max(parts, key=lambda part: sum(graph.nodes[key]["area"] for key in part)))
+def _house(name: str, planner: HomePlanner, heights: Mapping[int, float]) -> House:
+    """The house of all rooms that can be reached."""
+    storeys = planner.plan.storeys
+    reachable = planner.largest_connected_part(unwanted_label=OUTDOOR)
+    kept = [index for index, plan in enumerate(storeys) if reachable & set(plan.labels)]
+    levels = []
+    for index in kept:
+        above = storeys[index + 1].floor if index + 1 < len(storeys) else math.inf
+        levels.append(_level(storeys[index], heights, reachable, above))
+    stairs = [
+        Stairs(
+            from_level=kept.index(index),
+            to_level=kept.index(index + 1),
+            start=flight.start,
+            end=flight.end,
+            width=WIDTH_CELLS * CELL_M,
+        )
+        for index, flight in planner.plan.flights
+        if index in kept and index + 1 in kept
+    ]
+    return House(name=name, levels=levels, stairs=stairs)
 
 
 def _level(
-    storey: Storey,
-    plan: PassageBuilder,
-    rooms: Mapping[int, _GraphRoom],
-    reachable: set[int],
+    plan: StoreyPlan, heights: Mapping[int, float], reachable: set[int], floor_above: float
 ) -> Level:
     lowest, highest = CEILING_RANGE_M
-    heights = {key: min(max(room.dims.y, lowest), highest) for key, room in rooms.items()}
-    house_rooms = [
-        Room(
-            id=f"{_ROOM_PREFIX}{key}",
-            type=label,
-            polygon=plan.grid.polygon(key),
-            height=round(heights.get(key, lowest), 3),
-        )
-        for key, label in plan.labels.items()
-        if key in reachable
-    ]
-    openings = [
-        make_opening(
-            plan.grid,
-            wall,
-            kind,
-            (f"{_ROOM_PREFIX}{pair[0]}", f"{_ROOM_PREFIX}{pair[1]}"),
-            min(heights.get(key, lowest) for key in pair),
-        )
-        for pair, wall, kind in plan.openings()
-        if pair[0] in reachable
-    ]
-    return Level(floor=storey.floor, rooms=house_rooms, openings=openings)
+    highest = min(highest, floor_above - plan.floor - SLAB_M)
+    ceilings = {
+        key: round(min(max(heights.get(key, lowest), lowest), highest), 3) for key in plan.labels
+    }
+    names = {key: f"{_ROOM_PREFIX}{key}" for key in plan.labels}
+    return Level(
+        floor=plan.floor,
+        rooms=[
+            Room(id=names[key], type=label, polygon=plan.grid.polygon(key), height=ceilings[key])
+            for key, label in plan.labels.items()
+            if key in reachable
+        ],
+        openings=[
+            make_opening(
+                plan.grid,
+                passage.wall,
+                passage.kind,
+                (names[passage.rooms[0]], names[passage.rooms[1]]),
+                min(ceilings[key] for key in passage.rooms),
+            )
+            for passage in plan.passages
+            if passage.rooms[0] in reachable
+        ],
+    )

@@ -52,11 +52,14 @@ class RoomBox:
         return (self.high[0] - self.low[0]) * (self.high[1] - self.low[1])
 
 
-def plan_rooms(boxes: Sequence[RoomBox]) -> tuple[PlanGrid, dict[int, int]]:
+def plan_rooms(
+    boxes: Sequence[RoomBox], building: Sequence[RoomBox] | None = None
+) -> tuple[PlanGrid, dict[int, int]]:
     """Resolve overlaps so that each room is one simple polygon.
 
     Args:
         boxes: The rooms of one level, at least one.
+        building: The rooms of all levels, when their plans are to share one lattice.
 
     Returns:
         The plan, and for each room that others cover so far that nothing is left of it, the key of
@@ -66,7 +69,7 @@ def plan_rooms(boxes: Sequence[RoomBox]) -> tuple[PlanGrid, dict[int, int]]:
         SceneError: The boxes span more than any building.
     """
     snapped = _snapped([_widened(item) for item in boxes])
-    grid = _empty_grid(snapped)
+    grid = _empty_grid([_widened(item) for item in building or boxes])
     for item in sorted(snapped, key=lambda item: (not item.yields, -item.area, item.key)):
         (i0, j0), (i1, j1) = _cell(grid, item.low), _cell(grid, item.high)
         grid.owner[i0:i1, j0:j1] = item.key

@@ -71,7 +71,7 @@ def counter_arms(
         items: x, y of what lies on the counter.
     """
     turned = Rectangle(bounds.center, bounds.sides[::-1], bounds.yaw)
-    candidates = []
+    candidates: list[tuple[Rectangle, ...]] = []
     for candidate in (bounds, turned):
         fitted = candidate.scaled(fitting_scale(candidate, room))
         arms = [_arm(fitted, quarter) for quarter in range(4)]
