@@ -1,9 +1,10 @@
 """Nearest frontier by travel distance (Yamauchi 1997), stopping at a detected target.
 
 Kept: free cells beside unknown ones, clustered; the nearest reachable one by path; a full turn on
-arrival; a seen target overrides. Changed: the nearest cell of a cluster stands for it instead of its
-centroid, which may lie inside an obstacle; frontiers that could not be reached are ruled out for a
-number of decisions instead of until the map changes; map, planner and stop rule are TopoNav's.
+arrival; a seen target overrides. Changed: the nearest cell of a cluster stands for it instead of
+its centroid, which may lie inside an obstacle; frontiers that could not be reached are ruled out
+for a number of decisions instead of until the map changes; map, planner and stop rule are
+TopoNav's.
 """
 
 from __future__ import annotations
