@@ -19,11 +19,9 @@ from toponav.errors import SceneError
 from toponav.geometry.conventions import WORLD_FROM_HABITAT
 from toponav.scenes.house import COORDINATE_LIMIT_M, House, Level, Room, Stairs
 from toponav.scenes.house_io import read_text
-from toponav.scenes.plan_grid import CELL_M
 from toponav.scenes.plan_home import HomePlanner, StoreyPlan
 from toponav.scenes.plan_passages import make_opening
 from toponav.scenes.plan_rooms import RoomBox
-from toponav.scenes.plan_stairs import WIDTH_CELLS
 from toponav.scenes.schema_errors import describe_schema_error
 from toponav.scenes.validation import validate_house
 
@@ -154,7 +152,7 @@ def _house(name: str, planner: HomePlanner, heights: Mapping[int, float]) -> Hou
             to_level=kept.index(index + 1),
             start=flight.start,
             end=flight.end,
-            width=WIDTH_CELLS * CELL_M,
+            width=flight.width,
         )
         for index, flight in planner.plan.flights
         if index in kept and index + 1 in kept

@@ -22,15 +22,6 @@ from toponav.scenes.plan_routes import SharedWall
 
 _Scalar = TypeVar("_Scalar", bound=np.generic)
 
-SLOPE_RAD = math.radians(36.0)
-"""Slope of a flight: steep for a dwelling's, and within the agent's 45 degrees."""
-
-WIDTH_CELLS = 10
-"""Width of a flight."""
-
-LANDING_CELLS = 10
-"""Depth of the free floor at either end."""
-
 HEADROOM_M = 2.4
 """The upper floor is open where the flight comes nearer to it than this, slab included."""
 
@@ -47,6 +38,36 @@ _MAX_CANDIDATES = 400
 """Places that are examined closely, the best first."""
 
 
+@dataclass(frozen=True)
+class FlightShape:
+    """Proportions of a flight.
+
+    Attributes:
+        slope: Radians; the agent climbs 45 degrees.
+        width: Cells across.
+        landing: Cells of free floor at either end.
+    """
+
+    slope: float
+    width: int
+    landing: int
+
+    def run_cells(self, rise: float) -> int:
+        """Length in plan of a flight of that rise in metres."""
+        return math.ceil(rise / math.tan(self.slope) / CELL_M)
+
+    def hole_cells(self, rise: float) -> int:
+        """How much of the flight, from its upper end, needs an open floor above."""
+        return min(self.run_cells(rise), self.run_cells(HEADROOM_M))
+
+
+FLIGHT_SHAPES = (
+    FlightShape(slope=math.radians(36.0), width=10, landing=10),
+    FlightShape(slope=math.radians(40.0), width=8, landing=8),
+)
+"""A comfortable flight, and a tight one where that does not fit."""
+
+
 @dataclass(frozen=True, eq=False)
 class Flight:
     """A place for stairs.
@@ -54,6 +75,7 @@ class Flight:
     Attributes:
         start: x, y of the middle of its lower end.
         end: x, y of the middle of its upper end.
+        width: Metres across.
         cells: (nx, ny) the flight itself.
         hole: (nx, ny) the part of it above which the upper floor is open.
         foot: (nx, ny) the landing on the lower floor.
@@ -62,6 +84,7 @@ class Flight:
 
     start: Point2
     end: Point2
+    width: float
     cells: CellMask
     hole: CellMask
     foot: CellMask
@@ -104,12 +127,21 @@ def place_flight(lower: StairEnd, upper: StairEnd, rise: float) -> Flight | None
         upper: The room at the head.
         rise: From floor to floor, metres.
     """
+    for shape in FLIGHT_SHAPES:
+        flight = _place(lower, upper, rise, shape)
+        if flight is not None:
+            return flight
+    return None
+
+
+def _place(lower: StairEnd, upper: StairEnd, rise: float, shape: FlightShape) -> Flight | None:
     candidates = sorted(
-        (candidate for turns in range(4) for candidate in _candidates(lower, upper, turns, rise)),
-        key=lambda candidate: candidate[:4],
+        candidate
+        for turns in range(4)
+        for candidate in _candidates(lower, upper, turns, rise, shape)
     )
     for _, turns, i, j in candidates[:_MAX_CANDIDATES]:
-        flight = _flight(lower.grid, turns, (i, j), rise)
+        flight = _flight(lower.grid, turns, (i, j), rise, shape)
         if _leaves_passage(lower, flight.cells, flight.foot) and _leaves_passage(
             upper, flight.hole, flight.head
         ):
@@ -117,51 +149,37 @@ def place_flight(lower: StairEnd, upper: StairEnd, rise: float) -> Flight | None
     return None
 
 
-def _run_cells(rise: float) -> int:
-    return math.ceil(rise / math.tan(SLOPE_RAD) / CELL_M)
-
-
-def _hole_cells(rise: float) -> int:
-    """How much of the flight, from its upper end, needs an open floor above."""
-    return min(_run_cells(rise), math.ceil(HEADROOM_M / math.tan(SLOPE_RAD) / CELL_M))
-
-
 def _candidates(
-    lower: StairEnd, upper: StairEnd, turns: int, rise: float
+    lower: StairEnd, upper: StairEnd, turns: int, rise: float, shape: FlightShape
 ) -> Iterator[tuple[float, int, int, int]]:
     """(cost, quarter turns, i, j) of places that fit, climbing along +i of the turned lattice."""
-    run, hole, landing = _run_cells(rise), _hole_cells(rise), LANDING_CELLS
-    turned = [
+    run, hole, landing = shape.run_cells(rise), shape.hole_cells(rise), shape.landing
+    room_below, ground_below, room_above, ground_above = (
         np.rot90(mask, turns) for mask in (lower.room, lower.buildable, upper.room, upper.buildable)
-    ]
-    if turned[0].shape[0] < run + 2 * landing or turned[0].shape[1] < WIDTH_CELLS:
+    )
+    count = room_below.shape[0] - (run + 2 * landing) + 1
+    if count < 1 or room_below.shape[1] < shape.width + 2:
         return
-    total = turned[0].shape[0] - (run + 2 * landing) + 1
 
-    def at(values: NDArray[_Scalar], offset: int) -> NDArray[_Scalar]:
-        return values[offset : offset + total]
+    def cells(mask: CellMask, offset: int, length: int) -> NDArray[np.int64]:
+        """Set cells in the part of the stairs that starts at `offset`, for each place."""
+        return _window_sums(mask, length, shape.width)[offset : offset + count]
 
+    hole_offset = landing + run - hole
     fits = (
-        at(_all_in_window(turned[0], landing), 0)
-        & at(_all_in_window(turned[1], run), landing)
-        & at(_all_in_window(turned[3], hole), landing + run - hole)
-        & at(_all_in_window(turned[2], landing), landing + run)
+        (cells(~room_below, 0, landing) == 0)
+        & (cells(~ground_below, landing, run) == 0)
+        & (cells(~ground_above, hole_offset, hole) == 0)
+        & (cells(~room_above, landing + run, landing) == 0)
     )
-    built = at(_count_in_window(~turned[0], run, WIDTH_CELLS), landing) + at(
-        _count_in_window(~turned[2], hole, WIDTH_CELLS), landing + run - hole
-    )
-    sides = at(_open_sides(turned[0], run), landing)
+    built = cells(~room_below, landing, run) + cells(~room_above, hole_offset, hole)
+    sides = _open_sides(room_below, run, shape.width)[landing : landing + count]
     cost = built + OPEN_SIDE_COST * sides
     for i, j in np.argwhere(fits).tolist():
         yield float(cost[i, j]), turns, i, j
 
 
-def _all_in_window(mask: CellMask, length: int) -> CellMask:
-    result: CellMask = _count_in_window(mask, length, WIDTH_CELLS) == length * WIDTH_CELLS
-    return result
-
-
-def _count_in_window(mask: CellMask, length: int, width: int) -> NDArray[np.int64]:
+def _window_sums(mask: CellMask, length: int, width: int) -> NDArray[np.int64]:
     """(nx - length + 1, ny - width + 1) set cells in each window, from a summed-area table."""
     sums = np.pad(mask.astype(np.int64).cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
     counts: NDArray[np.int64] = (
@@ -173,31 +191,33 @@ def _count_in_window(mask: CellMask, length: int, width: int) -> NDArray[np.int6
     return counts
 
 
-def _open_sides(room: CellMask, length: int) -> NDArray[np.int64]:
+def _open_sides(room: CellMask, length: int, width: int) -> NDArray[np.int64]:
     """Cells of the room along the two long sides of each window."""
-    sides = np.pad(_count_in_window(room, length, 1), ((0, 0), (1, 1)))
-    return sides[:, : -WIDTH_CELLS - 1] + sides[:, WIDTH_CELLS + 1 :]
+    sides = np.pad(_window_sums(room, length, 1), ((0, 0), (1, 1)))
+    return sides[:, : -width - 1] + sides[:, width + 1 :]
 
 
-def _flight(grid: PlanGrid, turns: int, corner: tuple[int, int], rise: float) -> Flight:
-    run, hole = _run_cells(rise), _hole_cells(rise)
-    shape = np.rot90(grid.owner, turns).shape
+def _flight(
+    grid: PlanGrid, turns: int, corner: tuple[int, int], rise: float, shape: FlightShape
+) -> Flight:
+    run, hole = shape.run_cells(rise), shape.hole_cells(rise)
+    size = np.rot90(grid.owner, turns).shape
     i, j = corner
-    across = slice(j, j + WIDTH_CELLS)
-    foot, head = i + LANDING_CELLS, i + LANDING_CELLS + run
+    foot, head = i + shape.landing, i + shape.landing + run
 
     def cells(begin: int, end: int) -> CellMask:
-        mask = np.zeros(shape, np.bool_)
-        mask[begin:end, across] = True
+        mask = np.zeros(size, np.bool_)
+        mask[begin:end, j : j + shape.width] = True
         return np.rot90(mask, -turns)
 
     return Flight(
         start=_center(grid, cells(foot - 1, foot + 1)),
         end=_center(grid, cells(head - 1, head + 1)),
+        width=round(shape.width * CELL_M, 3),
         cells=cells(foot, head),
         hole=cells(head - hole, head),
         foot=cells(i, foot),
-        head=cells(head, head + LANDING_CELLS),
+        head=cells(head, head + shape.landing),
     )
 
 
@@ -214,7 +234,7 @@ def _leaves_passage(end: StairEnd, blocked: CellMask, landing: CellMask) -> bool
     others = (end.grid.owner != FREE) & ~grown
     if not np.array_equal(simple_room(grown, others, NARROWEST_CELLS), grown):
         return False
-    doors = [_around(wall, room.shape) & room for wall in end.walls]
+    doors = [cells_around(wall, room.shape) & room for wall in end.walls]
     if any((door & (blocked | landing)).any() for door in doors):
         return False
     left = room & ~blocked & ~end.taken
@@ -224,8 +244,8 @@ def _leaves_passage(end: StairEnd, blocked: CellMask, landing: CellMask) -> bool
     return piece > 0 and all((pieces[door] == piece).any() for door in doors)
 
 
-def _around(wall: SharedWall, shape: tuple[int, ...]) -> CellMask:
-    """The cells near the middle of a shared wall, where its opening is."""
+def cells_around(wall: SharedWall, shape: tuple[int, ...]) -> CellMask:
+    """The cells near the middle of a shared wall, where its opening is: a mask of that shape."""
     i, j = (round(value) for value in wall.middle)
     reach = DOOR_CLEARANCE_CELLS
     mask = np.zeros(shape, np.bool_)

@@ -20,11 +20,11 @@ STEP_M = 0.7
 HALF_LEVEL_M = 1.7
 """Storeys nearer than this are one, if their rooms lie side by side."""
 
-MAX_OVERLAP_SHARE = 0.15
+MAX_OVERLAP_SHARE = 0.3
 """Rooms lie side by side as long as they overlap in plan by no more than this share of the smaller
 storey: boxes overlap a little even on one floor."""
 
-MIN_STOREY_M = 2.6
+MIN_STOREY_M = 2.4
 """From floor to floor of storeys that lie one above the other."""
 
 REGULAR_HEIGHTS_M = (1.9, 3.2)
@@ -78,7 +78,10 @@ def find_storeys(
 
 
 def _by_height(spans: Mapping[int, tuple[float, float]]) -> list[Storey]:
-    """Rooms of regular height chained along their floors; others join whom they overlap most."""
+    """Rooms of regular height chained along their floors; others join the storey of their floor.
+
+    Where a room has no storey at its floor, the one that it overlaps most takes it.
+    """
     shortest, tallest = REGULAR_HEIGHTS_M
     regular = [key for key, (low, high) in spans.items() if shortest <= high - low <= tallest]
     groups: list[list[int]] = []
@@ -91,8 +94,10 @@ def _by_height(spans: Mapping[int, tuple[float, float]]) -> list[Storey]:
     grouped = {key for group in groups for key in group}
     for key in sorted(set(spans) - grouped):
         low, high = spans[key]
+        on_floor = [abs(low - bottom) <= STEP_M for bottom, _ in bounds]
         overlaps = [min(high, top) - max(low, bottom) for bottom, top in bounds]
-        groups[int(np.argmax(overlaps))].append(key)
+        ranks = list(zip(on_floor, overlaps, strict=True))
+        groups[ranks.index(max(ranks))].append(key)
     return [
         Storey(round(float(bottom), 3), tuple(sorted(group)))
         for (bottom, _), group in zip(bounds, groups, strict=True)

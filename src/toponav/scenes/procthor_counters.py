@@ -70,7 +70,7 @@ def counter_arms(
         room: The room's polygon.
         items: x, y of what lies on the counter.
     """
-    turned = Rectangle(bounds.center, bounds.sides[::-1], bounds.yaw)
+    turned = Rectangle(bounds.center, (bounds.sides[1], bounds.sides[0]), bounds.yaw)
     candidates: list[tuple[Rectangle, ...]] = []
     for candidate in (bounds, turned):
         fitted = candidate.scaled(fitting_scale(candidate, room))
@@ -78,14 +78,15 @@ def counter_arms(
         for chosen in combinations(arms, _ARMS_BY_SHAPE.get(shape, 1)):
             if shape != "L" or not _opposite(*chosen):
                 candidates.append(chosen)
-    return list(min(candidates, key=lambda chosen: _misfit(chosen, room, items)))
+    best = min(candidates, key=lambda arms: _misfit(arms, room, items))
+    return list(best)
 
 
 def _opposite(first: Rectangle, second: Rectangle) -> bool:
     return math.cos(first.yaw - second.yaw) < -0.5
 
 
-def _misfit(arms: Sequence[Rectangle], room: Polygon, items: Sequence[Point2]) -> float:
+def _misfit(arms: tuple[Rectangle, ...], room: Polygon, items: Sequence[Point2]) -> float:
     """Metres by which items lie beside the arms and arms away from or beyond walls."""
     covered = unary_union([arm.polygon for arm in arms])
     to_items = sum(covered.distance(Point(item)) for item in items)
