@@ -43,7 +43,7 @@ def observation_from_dict(observation: dict[str, Any], intrinsics: Intrinsics) -
 
     Args:
         observation: Keys `rgb` (H, W, 3) uint8, `depth` (H, W) float32, `world_from_camera` and
-            `world_from_base` (4, 4) float64, `collided` int, `step` int, `timestamp_s` (1,).
+            `world_from_base` (4, 4) float64, `collided` int, `step` (1,) int64, `timestamp_s` (1,).
         intrinsics: The camera.
     """
     return Observation(
@@ -53,6 +53,6 @@ def observation_from_dict(observation: dict[str, Any], intrinsics: Intrinsics) -
         world_from_base=Pose(observation["world_from_base"]),
         intrinsics=intrinsics,
         collided=bool(observation["collided"]),
-        step=int(observation["step"]),
+        step=int(observation["step"][0]),
         timestamp_s=float(observation["timestamp_s"][0]),
     )

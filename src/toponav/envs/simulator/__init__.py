@@ -1,1 +1,5 @@
-"""TODO-DOC envs/simulator."""
+"""The embedded simulator: ray-cast images, exact motion and geodesics in any triangle scene."""
+
+from toponav.envs.simulator.env import HouseEnv, HouseEnvConfig
+
+__all__ = ["HouseEnv", "HouseEnvConfig"]

@@ -1,0 +1,75 @@
+"""Ground truth of the running episode: viewpoints, geodesic distances, labels."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from toponav.categories import canonical
+from toponav.envs.simulator.navigation import DistanceField, NavigableSurface
+from toponav.envs.simulator.raycaster import RayCaster
+from toponav.envs.simulator.viewpoints import viewpoints
+from toponav.scenes.mesh import Scene
+from toponav.types import STRUCTURE_CATEGORIES, SemanticFrame
+
+
+class Episode(Protocol):
+    """What the oracle knows of the environment that it belongs to."""
+
+    target: str
+    position: NDArray[np.float64]
+
+    def semantic_frame(self) -> SemanticFrame:
+        """Labels of the image last observed."""
+        ...
+
+
+class SceneOracle:
+    """Answers from the scene's geometry; viewpoints and distances are computed once a category."""
+
+    def __init__(
+        self, scene: Scene, surface: NavigableSurface, caster: RayCaster, episode: Episode
+    ) -> None:
+        """Know the scene; `episode` is where the agent's state is read."""
+        self._scene = scene
+        self._surface = surface
+        self._caster = caster
+        self._episode = episode
+        self._viewpoints: dict[str, NDArray[np.float64]] = {}
+        self._fields: dict[str, DistanceField] = {}
+        self._categories: tuple[str, ...] | None = None
+
+    def semantic_frame(self) -> SemanticFrame:
+        """Labels of the image last observed."""
+        return self._episode.semantic_frame()
+
+    def categories(self) -> tuple[str, ...]:
+        """Categories that have at least one viewpoint, sorted; structure left out."""
+        if self._categories is None:
+            named = {instance.category for instance in self._scene.mesh.instances}
+            candidates = sorted(named - STRUCTURE_CATEGORIES - {"unknown"})
+            self._categories = tuple(c for c in candidates if len(self.viewpoints(c)))
+        return self._categories
+
+    def viewpoints(self, category: str) -> NDArray[np.float64]:
+        """(N, 3) viewpoints of all instances of a category (PROTOCOL: within 1 m, seeing it)."""
+        name = canonical(category)
+        if name not in self._viewpoints:
+            instances = self._scene.mesh.instances
+            ids = [instance.id for instance in instances if instance.category == name]
+            found = viewpoints(self._surface, self._caster, self._scene.mesh, ids)
+            self._viewpoints[name] = found
+        return self._viewpoints[name]
+
+    def distance_to_goal(self) -> float:
+        """DTG: geodesic distance from the agent to the nearest viewpoint, metres; may be inf."""
+        target = self._episode.target
+        if target not in self._fields:
+            self._fields[target] = self._surface.distance_field(self.viewpoints(target))
+        return self._fields[target].at(self._episode.position)
+
+    def geodesic_distance(self, start: NDArray[np.float64], goal: NDArray[np.float64]) -> float:
+        """Shortest path on the navigable surface between two points, metres; may be infinite."""
+        return self._surface.geodesic_distance(start, goal)

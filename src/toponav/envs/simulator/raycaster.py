@@ -1,0 +1,59 @@
+"""Ray casting against a scene's triangles with Embree: no GPU, no display."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from embreex.mesh_construction import TriangleMesh
+from embreex.rtcore_scene import EmbreeScene
+from numpy.typing import ArrayLike, NDArray
+
+from toponav.scenes.mesh import SceneMesh
+
+
+@dataclass(frozen=True, eq=False)
+class RayHits:
+    """First hits of N rays.
+
+    Attributes:
+        distance: (N,) float32 in lengths of the ray's direction; infinite without a hit.
+        face: (N,) int32 index of the triangle, -1 without a hit.
+        barycentric: (N, 2) float32 weights of the triangle's second and third corner.
+    """
+
+    distance: NDArray[np.float32]
+    face: NDArray[np.int32]
+    barycentric: NDArray[np.float32]
+
+
+class RayCaster:
+    """Casts rays into a scene; coordinates are shifted to the scene's centre for precision."""
+
+    def __init__(self, mesh: SceneMesh) -> None:
+        """Build Embree's search tree."""
+        corners = mesh.vertices[mesh.faces]
+        low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+        self._center = 0.5 * (low + high)
+        self._scene = EmbreeScene()
+        TriangleMesh(self._scene, (corners - self._center).astype(np.float32))
+
+    def cast(self, origins: ArrayLike, directions: ArrayLike) -> RayHits:
+        """First hits of (N, 3) rays; directions need not be of unit length."""
+        shifted = (np.asarray(origins, dtype=np.float64) - self._center).astype(np.float32)
+        hits = self._scene.run(
+            np.ascontiguousarray(shifted),
+            np.ascontiguousarray(directions, dtype=np.float32),
+            query="INTERSECT",
+            output=True,
+        )
+        face = hits["primID"]
+        distance = np.where(face >= 0, hits["tfar"], np.float32(np.inf))
+        return RayHits(distance, face, np.column_stack([hits["u"], hits["v"]]))
+
+    def first_hit(
+        self, origins: ArrayLike, directions: ArrayLike
+    ) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+        """(N,) distances in lengths of the direction, infinite without a hit, and (N,) faces."""
+        hits = self.cast(origins, directions)
+        return hits.distance.astype(np.float64), hits.face
