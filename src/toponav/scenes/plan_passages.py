@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+import networkx as nx
 import numpy as np
 
 from toponav.scenes.house import Opening
@@ -31,6 +32,9 @@ WALL_ALLOWANCE_CELLS = 2
 
 MAX_MERGED_CELLS = 150
 """A gap of up to 1.5 m2 joins one of its rooms."""
+
+MAX_CORRIDOR_CELLS = 500
+"""A longer corridor than 5 m2 would run around rooms through which the way leads."""
 
 _MAX_DETOURS = 3
 """A passage through other rooms passes at most so many."""
@@ -63,13 +67,16 @@ class PassageBuilder:
         self._joined: dict[tuple[int, int], None] = {}
 
     def connect(self, connections: Sequence[tuple[int, int]]) -> None:
-        """Join each pair of rooms, those that share a wall first."""
-        apart = [pair for pair in connections if longest_shared_wall(self.grid, *pair) is None]
-        for pair in connections:
-            if pair not in apart:
-                self._join(*pair)
-        for a, b in apart:
-            self._connect_apart(a, b, _MAX_DETOURS)
+        """Join each pair of rooms: those that share a wall, then those near each other, the rest.
+
+        A connection that would need a long corridor is left to the doors of other rooms, as long
+        as these lead from the one room to the other.
+        """
+        apart = [pair for pair in connections if not self._connect_adjacent(*pair)]
+        far = [pair for pair in apart if not self._connect_near(*pair)]
+        for a, b in far:
+            if not self._has_route(a, b):
+                self._connect_far(a, b, _MAX_DETOURS)
 
     def openings(self) -> list[tuple[tuple[int, int], SharedWall, str]]:
         """Each joined pair with the wall that it shares and the kind of its opening."""
@@ -80,19 +87,39 @@ class PassageBuilder:
                 result.append(((a, b), wall, self._kind(a, b)))
         return result
 
-    def _connect_apart(self, a: int, b: int, detours: int) -> None:
-        if longest_shared_wall(self.grid, a, b) is not None:
-            self._join(a, b)
+    def _connect_adjacent(self, a: int, b: int) -> bool:
+        if longest_shared_wall(self.grid, a, b) is None:
+            return False
+        self._join(a, b)
+        return True
+
+    def _connect_near(self, a: int, b: int) -> bool:
+        cells = corridor(self.grid, a, b, self._free())
+        if cells is None or cells.sum() > MAX_CORRIDOR_CELLS:
+            return False
+        self._build(a, b, cells)
+        return True
+
+    def _connect_far(self, a: int, b: int, detours: int) -> None:
+        """Lead through a room in between; a long corridor is the last resort."""
+        if self._connect_adjacent(a, b) or self._connect_near(a, b):
             return
+        through = self._room_between(a, b) if detours else None
+        if through is not None:
+            self._connect_far(a, through, detours - 1)
+            self._connect_far(through, b, detours - 1)
+        if not self._has_route(a, b):
+            cells = corridor(self.grid, a, b, self._free())
+            if cells is not None:
+                self._build(a, b, cells)
+
+    def _has_route(self, a: int, b: int) -> bool:
+        graph: nx.Graph[int] = nx.Graph(list(self._joined))
+        return a in graph and b in graph and nx.has_path(graph, a, b)
+
+    def _free(self) -> CellMask:
         free: CellMask = self.grid.owner == FREE
-        cells = corridor(self.grid, a, b, free)
-        if cells is not None:
-            self._build(a, b, cells)
-        elif detours:
-            through = self._room_between(a, b)
-            if through is not None:
-                self._connect_apart(a, through, detours - 1)
-                self._connect_apart(through, b, detours - 1)
+        return free
 
     def _room_between(self, a: int, b: int) -> int | None:
         """The room that the best corridor would cross most, when it must cross rooms."""
