@@ -11,7 +11,7 @@ import pytest
 
 SRC = Path(__file__).resolve().parents[1] / "src" / "toponav"
 
-BASE = {"errors", "config_model", "registry", "categories", "geometry", "types"}
+BASE = {"errors", "config_model", "registry", "categories", "files", "geometry", "types"}
 SCENES = BASE | {"scenes"}
 MAPPING = BASE | {"mapping"}
 PERCEPTION = BASE | {"perception"}
@@ -26,6 +26,7 @@ ALLOWED = {
     "config_model": set(),
     "registry": {"errors"},
     "categories": set(),
+    "files": set(),
     "geometry": {"errors", "geometry"},
     "types": {"errors", "geometry", "categories"},
     "mapping": MAPPING,

@@ -28,4 +28,3 @@ class Output:
         text = json.dumps(json_ready(data), allow_nan=False) if self.as_json else line
         sys.stdout.write(text + "\n")
         sys.stdout.flush()
-

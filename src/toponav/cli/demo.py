@@ -30,15 +30,20 @@ class Demo:
     def run(self) -> None:
         """Generate the house and run its first episode."""
         from toponav.cli.console import Output
-        from toponav.cli.episode import resolve_config, result_data, result_line, run_one
+        from toponav.cli.episode import (
+            EpisodeWish,
+            resolve_config,
+            result_data,
+            result_line,
+            run_one,
+        )
         from toponav.cli.options import AgentOptions, fresh_folder
-        from toponav.evaluation.runner import retarget
         from toponav.scenes.loading import load_scene
 
         output = Output(self.json)
         folder = fresh_folder(self.out)
         scene = load_scene(f"generated:{self.seed}")
-        episode = retarget(scene.episodes[0], self.target)
-        result = run_one(scene, resolve_config(AgentOptions(seed=self.seed)), episode, folder, output)
+        config = resolve_config(AgentOptions(seed=self.seed))
+        result = run_one(scene, config, EpisodeWish(self.target), folder, output)
         output.say(f"pictures and records: {folder}")
         output.result(result_line(result), result_data(result, folder))

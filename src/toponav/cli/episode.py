@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,13 +16,14 @@ from toponav.cli.options import AgentOptions, image_size, overrides
 from toponav.config import config_json, with_overrides
 from toponav.envs.simulator import HouseEnvConfig
 from toponav.evaluation.recorder import EpisodeRecorder
-from toponav.evaluation.results import EpisodeResult, to_json, write_atomic
+from toponav.evaluation.results import EpisodeResult, to_json
 from toponav.evaluation.run_config import RunConfig, run_config
 from toponav.evaluation.runner import SceneRunner
+from toponav.files import write_atomic
 from toponav.mapping.view import MapView
-from toponav.memory.snapshot import MemorySnapshot
+from toponav.memory.graph import TopologicalMemory
 from toponav.policy.decision import Decision
-from toponav.scenes.mesh import Scene, SceneEpisode
+from toponav.scenes.mesh import Scene
 from toponav.types import Action, Observation
 from toponav.viz.panorama import save_panorama
 from toponav.viz.topdown import TopDownPicture, points_of, save_topdown
@@ -36,10 +38,21 @@ def resolve_config(options: AgentOptions) -> RunConfig:
     width, height = image_size(options.camera)
     env = HouseEnvConfig(width=width, height=height, max_steps=options.max_steps)
     config = run_config(options.preset, options.method, options.seed, env)
-    config = config.model_copy(
-        update={"detector": options.detector, "reasoner": options.reasoner}
-    )
+    config = config.model_copy(update={"detector": options.detector, "reasoner": options.reasoner})
     return with_overrides(config, overrides(options.set))
+
+
+@dataclass(frozen=True)
+class EpisodeWish:
+    """What the user asked for; what is None is up to the scene and the seed.
+
+    Attributes:
+        target: Category to find.
+        start: (x, y, z, yaw), metres and radians.
+    """
+
+    target: str | None = None
+    start: tuple[float, float, float, float] | None = None
 
 
 @dataclass
@@ -51,7 +64,7 @@ class Narrator:
     target: str
     every_steps: int = 50
     positions: list[NDArray[np.float64]] = field(default_factory=list)
-    memory: MemorySnapshot | None = None
+    memory: TopologicalMemory | None = None
     map_view: MapView | None = None
 
     def on_step(self, observation: Observation, action: Action) -> None:
@@ -68,11 +81,9 @@ class Narrator:
         )
         if decision.panorama:
             name = f"panorama_{decision.index:02d}.jpg"
-            save_panorama(
-                decision.panorama, decision.guidance, self.target, self.folder / name
-            )
+            save_panorama(decision.panorama, decision.guidance, self.target, self.folder / name)
 
-    def on_close(self, map_view: MapView | None, memory: MemorySnapshot | None) -> None:
+    def on_close(self, map_view: MapView | None, memory: TopologicalMemory | None) -> None:
         """Keep the last map and memory for the picture."""
         self.map_view = map_view
         self.memory = memory
@@ -89,14 +100,14 @@ def _reasoning(decision: Decision) -> str:
 
 
 def run_one(
-    scene: Scene, config: RunConfig, episode: SceneEpisode | None, folder: Path, output: Output
+    scene: Scene, config: RunConfig, wish: EpisodeWish, folder: Path, output: Output
 ) -> EpisodeResult:
     """Run one episode and write everything about it into `folder`.
 
     Args:
         scene: Where.
         config: How.
-        episode: What and from where; None draws one from the seed.
+        wish: What to find and from where, as far as the user said.
         folder: Gets config.json, result.json, trajectory.jsonl, decisions.jsonl, memory.json,
             topdown.png and a panorama a decision.
         output: Where to tell about it.
@@ -105,7 +116,7 @@ def run_one(
         EpisodeError: The target or the start does not fit the scene.
     """
     runner = SceneRunner(scene, config)
-    spec = runner.episodes(1)[0] if episode is None else runner.spec(0, episode)
+    spec = runner.spec(0, runner.env.episode(wish.target, wish.start, config.seed))
     for stale in folder.glob("panorama_*.jpg"):
         stale.unlink()
     write_atomic(folder / "config.json", config_json(config))
@@ -143,6 +154,4 @@ def result_line(result: EpisodeResult) -> str:
 
 def result_data(result: EpisodeResult, folder: Path) -> dict[str, Any]:
     """The same for programs: the record of `result.json` and where it lies."""
-    import json
-
     return {**json.loads(to_json(result)), "out": str(folder)}

@@ -69,7 +69,7 @@ def overrides(settings: tuple[str, ...]) -> dict[str, str]:
     return pairs
 
 
-def start_pose(text: str) -> tuple[tuple[float, float, float], float]:
+def start_pose(text: str) -> tuple[float, float, float, float]:
     """Position in metres and yaw in radians from x,y,z,yaw.
 
     Raises:
@@ -81,7 +81,7 @@ def start_pose(text: str) -> tuple[tuple[float, float, float], float]:
         raise InputError(
             f"--start takes x,y,z,yaw (metres and radians) such as 1.5,2,0,1.57, not {text!r}"
         ) from error
-    return (x, y, z), yaw
+    return x, y, z, yaw
 
 
 def fresh_folder(path: Path) -> Path:

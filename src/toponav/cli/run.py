@@ -39,7 +39,13 @@ class Run:
     def run(self) -> None:
         """Load the scene and run the episode."""
         from toponav.cli.console import Output
-        from toponav.cli.episode import resolve_config, result_data, result_line, run_one
+        from toponav.cli.episode import (
+            EpisodeWish,
+            resolve_config,
+            result_data,
+            result_line,
+            run_one,
+        )
         from toponav.cli.options import fresh_folder, start_pose
         from toponav.scenes.loading import load_scene
 
@@ -48,6 +54,6 @@ class Run:
         output = Output(self.json)
         scene = load_scene(self.house, self.labels)
         folder = fresh_folder(self.out)
-        result = run_one(scene, config, self.target, start, folder, output)
+        result = run_one(scene, config, EpisodeWish(self.target, start), folder, output)
         output.say(f"pictures and records: {folder}")
         output.result(result_line(result), result_data(result, folder))

@@ -12,14 +12,13 @@ from toponav.errors import InputError
 from toponav.evaluation.metrics import BENCHMARK_RADIUS_M
 from toponav.evaluation.results import (
     EpisodeResult,
-    append_line,
     json_ready,
     summarize,
     to_json,
-    write_atomic,
 )
 from toponav.evaluation.run_config import RunConfig
 from toponav.evaluation.runner import SceneRunner
+from toponav.files import append_line, write_atomic
 from toponav.scenes.loading import list_scenes, load_scene
 
 OnResult = Callable[[int, int | None, EpisodeResult], None]

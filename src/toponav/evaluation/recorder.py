@@ -6,10 +6,10 @@ import json
 from pathlib import Path
 from typing import Any
 
-from toponav.evaluation.results import append_line, write_atomic
+from toponav.files import append_line, write_atomic
 from toponav.mapping.view import MapView
-from toponav.memory.serialization import snapshot_to_json
-from toponav.memory.snapshot import MemorySnapshot
+from toponav.memory.graph import TopologicalMemory
+from toponav.memory.serialization import save_memory
 from toponav.policy.decision import Decision
 from toponav.types import Action, Observation
 
@@ -50,11 +50,11 @@ class EpisodeRecorder:
         """Append one line to `decisions.jsonl`."""
         append_line(self._decisions, json.dumps(_decision_line(decision)))
 
-    def on_close(self, map_view: MapView | None, memory: MemorySnapshot | None) -> None:
-        """Write `memory.json`, when the method keeps a memory."""
+    def on_close(self, map_view: MapView | None, memory: TopologicalMemory | None) -> None:
+        """Write `memory.json`, when the method keeps a memory and made a decision."""
         del map_view
-        if memory is not None:
-            write_atomic(self._memory, snapshot_to_json(memory))
+        if memory is not None and memory.nodes:
+            save_memory(memory, self._memory)
 
 
 def _decision_line(decision: Decision) -> dict[str, Any]:

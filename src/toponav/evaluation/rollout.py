@@ -65,9 +65,7 @@ class Rollout:
     ) -> EpisodeResult:
         """The result record."""
         stopped = self.ended == "stop"
-        score = score_episode(
-            stopped, self.distance_to_goal, self.shortest_path, self.path_length
-        )
+        score = score_episode(stopped, self.distance_to_goal, self.shortest_path, self.path_length)
         return EpisodeResult(
             scene=spec.scene,
             index=spec.index,

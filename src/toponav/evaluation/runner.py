@@ -14,7 +14,7 @@ from toponav.evaluation.results import EpisodeResult
 from toponav.evaluation.rollout import EpisodeSpec, StepObserver, roll_out
 from toponav.evaluation.run_config import RunConfig
 from toponav.mapping.view import MapView
-from toponav.memory.snapshot import MemorySnapshot
+from toponav.memory.graph import TopologicalMemory
 from toponav.methods import AgentContext, methods
 from toponav.perception import detectors
 from toponav.policy.decision import Decision, DecisionListener, Listeners
@@ -32,7 +32,7 @@ class _DecisionCounter:
         del decision
         self.count += 1
 
-    def on_close(self, map_view: MapView | None, memory: MemorySnapshot | None) -> None:
+    def on_close(self, map_view: MapView | None, memory: TopologicalMemory | None) -> None:
         del map_view, memory
 
 

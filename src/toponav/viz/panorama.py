@@ -9,6 +9,7 @@ from pathlib import Path
 from PIL import Image, ImageDraw, ImageFont
 
 from toponav.categories import readable
+from toponav.files import temporary_beside
 from toponav.reasoning.base import PanoramaView
 from toponav.reasoning.schema import Guidance
 
@@ -27,7 +28,7 @@ def save_panorama(
 ) -> None:
     """Write the views in the order taken, with what was seen, and the reasoner's words below."""
     image = draw_panorama(views, guidance, target)
-    temporary = path.with_name(f".{path.stem}.tmp{path.suffix}")
+    temporary = temporary_beside(path)
     image.save(temporary, quality=88)
     temporary.replace(path)
 

@@ -16,8 +16,10 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from toponav.categories import readable
+from toponav.files import temporary_beside
 from toponav.mapping.view import FREE, OCCUPIED, UNKNOWN, MapView
-from toponav.memory.snapshot import UNKNOWN_ROOM, MemorySnapshot
+from toponav.memory.graph import TopologicalMemory
+from toponav.memory.snapshot import UNKNOWN_ROOM
 
 BACKGROUND = "#ffffff"
 FREE_COLOR = "#e4e9ee"
@@ -48,7 +50,7 @@ class TopDownPicture:
 
     map_view: MapView
     trajectory: NDArray[np.float64]
-    memory: MemorySnapshot | None = None
+    memory: TopologicalMemory | None = None
     target: str = ""
     title: str = ""
     waypoint: NDArray[np.float64] | None = None
@@ -58,7 +60,7 @@ class TopDownPicture:
 def save_topdown(picture: TopDownPicture, path: Path, dpi: int = 110) -> None:
     """Draw to a PNG, SVG or PDF file, told by its ending; a reader never sees half a file."""
     figure = draw_topdown(picture)
-    temporary = path.with_name(f".{path.stem}.tmp{path.suffix}")
+    temporary = temporary_beside(path)
     figure.savefig(temporary, dpi=dpi, facecolor=BACKGROUND)
     temporary.replace(path)
 
@@ -157,7 +159,7 @@ def _draw_search(axes: Axes, picture: TopDownPicture) -> list[Line2D | Patch]:
     return handles
 
 
-def _draw_memory(axes: Axes, memory: MemorySnapshot, floor: int) -> None:
+def _draw_memory(axes: Axes, memory: TopologicalMemory, floor: int) -> None:
     """Nodes of the drawn floor with id, room and frontier count, and the edges between them."""
     here = {node.id: node for node in memory.nodes if node.floor == floor}
     for edge in memory.edges:
@@ -165,7 +167,7 @@ def _draw_memory(axes: Axes, memory: MemorySnapshot, floor: int) -> None:
             ends = np.array([here[edge.source].position, here[edge.target].position])
             axes.plot(ends[:, 0], ends[:, 1], color=NODE_COLOR, lw=1.3, alpha=0.8)
     for node in here.values():
-        current = node.id == memory.current
+        current = memory.history[-1:] == (node.id,)
         axes.plot(
             *node.position, marker="o", ms=12, color=NODE_COLOR,
             mec="black" if current else "white", mew=1.5,

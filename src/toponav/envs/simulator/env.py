@@ -136,8 +136,7 @@ class HouseEnv(gymnasium.Env[dict[str, Any], int]):
             EpisodeError: The scene lacks the target, or nobody can stand at the start.
         """
         super().reset(seed=seed)
-        options = options or {}
-        episode = self._episode_for(options)
+        episode = self._next_from(options or {})
         self.target = self._checked_target(episode.target)
         self.position = self._checked_start(episode.start)
         self.yaw = episode.yaw
@@ -187,8 +186,10 @@ class HouseEnv(gymnasium.Env[dict[str, Any], int]):
             raise EpisodeError("reset the environment before asking for labels")
         return self._semantic
 
-    def sample_episode(self, rng: np.random.Generator) -> SceneEpisode:
-        """Draw a target of the scene and a start from which it can be reached.
+    def sample_episode(
+        self, rng: np.random.Generator, target: str | None = None
+    ) -> SceneEpisode:
+        """Draw a target of the scene, unless one is given, and a start far enough from it.
 
         Raises:
             EpisodeError: The scene has no target that can be reached.
@@ -196,7 +197,8 @@ class HouseEnv(gymnasium.Env[dict[str, Any], int]):
         categories = self.oracle.categories()
         if not categories:
             raise EpisodeError(f"{self.scene.name} has no object that could be a target")
-        target = categories[int(rng.integers(len(categories)))]
+        if target is None:
+            target = categories[int(rng.integers(len(categories)))]
         field = self.surface.distance_field(self.oracle.viewpoints(target))
         farthest: tuple[float, NDArray[np.float64]] | None = None
         for _ in range(SAMPLE_TRIES):
@@ -212,21 +214,41 @@ class HouseEnv(gymnasium.Env[dict[str, Any], int]):
         x, y, z = (float(v) for v in farthest[1])
         return SceneEpisode(target, (x, y, z), float(rng.uniform(-math.pi, math.pi)))
 
-    def _episode_for(self, options: dict[str, Any]) -> SceneEpisode:
-        """The episode that the options ask for; what they leave open comes from the scene."""
-        target, start = options.get("target"), options.get("start")
-        if target is not None and start is not None:
-            x, y, z, yaw = (float(v) for v in start)
-            return SceneEpisode(str(target), (x, y, z), yaw)
-        if self.scene.episodes:
-            episode = self.scene.episodes[self._next_episode % len(self.scene.episodes)]
-            self._next_episode += 1
+    def episode(
+        self,
+        target: str | None = None,
+        start: tuple[float, float, float, float] | None = None,
+        seed: int = 0,
+    ) -> SceneEpisode:
+        """The episode that a caller asks for; what is left open comes from the scene or the seed.
+
+        Args:
+            target: Category; by default that of the scene's first episode, or drawn.
+            start: (x, y, z, yaw); by default that of the scene's first episode with the target,
+                or drawn.
+            seed: Seeds what is drawn.
+
+        Raises:
+            EpisodeError: The scene lacks the target, or has none that can be reached.
+        """
+        name = None if target is None else self._checked_target(target)
+        own = [e for e in self.scene.episodes if name in (None, canonical(e.target))]
+        if name is not None and start is not None:
+            base = SceneEpisode(name, (0.0, 0.0, 0.0), 0.0)
         else:
-            episode = self.sample_episode(self.np_random)
-        if start is not None:
-            x, y, z, yaw = (float(v) for v in start)
-            return SceneEpisode(episode.target, (x, y, z), yaw)
-        return SceneEpisode(str(target or episode.target), episode.start, episode.yaw)
+            base = own[0] if own else self.sample_episode(np.random.default_rng(seed), name)
+        if start is None:
+            return base
+        x, y, z, yaw = (float(v) for v in start)
+        return SceneEpisode(base.target, (x, y, z), yaw)
+
+    def _next_from(self, options: dict[str, Any]) -> SceneEpisode:
+        """The episode of a reset: as the options say, else the scene's own in turn."""
+        target, start = options.get("target"), options.get("start")
+        if target is None and start is None and self.scene.episodes:
+            self._next_episode += 1
+            return self.scene.episodes[(self._next_episode - 1) % len(self.scene.episodes)]
+        return self.episode(target, start, int(self.np_random.integers(2**31)))
 
     def _checked_target(self, name: str) -> str:
         target = canonical(name)

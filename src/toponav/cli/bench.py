@@ -1,0 +1,59 @@
+"""`toponav bench`: the performance figures, by command."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from toponav.cli.options import JsonFlag
+
+
+@dataclass(frozen=True)
+class BenchSim:
+    """Time the simulator: RGB, depth and instance ids on one core."""
+
+    scene: tyro.conf.Positional[str] = "generated:0"
+    """House, mesh scene or generated:SEED."""
+
+    labels: Path | None = None
+    """Label table of a mesh scene."""
+
+    camera: str = "640x480"
+    """Image size, WIDTHxHEIGHT."""
+
+    frames: int = 50
+    """Frames that are timed."""
+
+    json: JsonFlag = False
+    """Print the figures as one JSON object on stdout."""
+
+    def run(self) -> None:
+        """Time and print."""
+        from toponav.cli.console import Output
+        from toponav.cli.options import image_size
+        from toponav.evaluation.bench_sim import bench_sim
+        from toponav.scenes.loading import load_scene
+
+        width, height = image_size(self.camera)
+        figures = bench_sim(load_scene(self.scene, self.labels), width, height, self.frames)
+        line = (
+            f"{figures['scene']}: {figures['sim_fps']['embree']:.1f} frames/s "
+            f"at {width} x {height} (median {figures['frame_ms']:.1f} ms, of which Embree {figures['embree_ms']:.1f} ms; "
+            f"{figures['triangles']} triangles, one of {figures['cores']} cores); "
+            f"navigable surface in {figures['surface_s']:.2f} s"
+        )
+        Output(self.json).result(line, figures)
+
+
+@dataclass(frozen=True)
+class Bench:
+    """Print performance figures."""
+
+    command: Annotated[BenchSim, tyro.conf.subcommand("sim")]
+
+    def run(self) -> None:
+        """Run the chosen benchmark."""
+        self.command.run()

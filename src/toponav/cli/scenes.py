@@ -1,0 +1,126 @@
+"""`toponav scenes`: generate houses, tell about scenes, export them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+
+from toponav.cli.options import JsonFlag
+
+
+@dataclass(frozen=True)
+class Generate:
+    """Write generated houses as house files."""
+
+    spec: tyro.conf.Positional[str] = "generated:0"
+    """generated:SEED or generated:FIRST-LAST, with options as in generated:7?rooms=8&levels=2."""
+
+    out: Path = Path("runs/scenes")
+    """Folder for the files."""
+
+    json: JsonFlag = False
+    """Print the files' names as one JSON object on stdout."""
+
+    def run(self) -> None:
+        """Generate and save."""
+        from toponav.cli.console import Output
+        from toponav.cli.options import fresh_folder
+        from toponav.scenes.house_io import save_house
+        from toponav.scenes.loading import list_scenes, load_house_spec
+
+        output = Output(self.json)
+        specs = list_scenes(self.spec)
+        folder = fresh_folder(self.out)
+        files = []
+        for spec in specs:
+            house = load_house_spec(spec)
+            path = folder / f"{house.name}.json"
+            save_house(house, path)
+            files.append(str(path))
+            output.say(str(path))
+        output.result(f"{len(files)} houses in {folder}", {"files": files})
+
+
+@dataclass(frozen=True)
+class Info:
+    """Tell what a scene holds: size, floors, objects, episodes, targets that can be reached."""
+
+    scene: tyro.conf.Positional[str]
+    """House, mesh scene or generated:SEED."""
+
+    labels: Path | None = None
+    """Label table of a mesh scene."""
+
+    json: JsonFlag = False
+    """Print it as one JSON object on stdout."""
+
+    def run(self) -> None:
+        """Load and describe."""
+        from toponav.cli.console import Output
+        from toponav.evaluation.scene_info import scene_info
+        from toponav.scenes.loading import load_scene
+
+        info = scene_info(load_scene(self.scene, self.labels))
+        Output(self.json).result(_described(info), info)
+
+
+def _described(info: dict[str, Any]) -> str:
+    objects = ", ".join(f"{count} {name}" for name, count in info["objects"].items())
+    floors = ", ".join(f"{z:.2f}" for z in info["floors"])
+    return "\n".join(
+        [
+            f"{info['name']}: {info['triangles']} triangles, floors at z = {floors} m",
+            f"  rooms: {', '.join(info['rooms']) or 'unknown'}",
+            f"  objects: {objects or 'none'}",
+            f"  navigable: {info['navigable_m2']:.1f} m2",
+            f"  targets: {', '.join(info['targets']) or 'none'}",
+            f"  episodes: {len(info['episodes'])}",
+        ]
+    )
+
+
+@dataclass(frozen=True)
+class Export:
+    """Write a house or a scene for other tools: house JSON, or glTF with categories."""
+
+    scene: tyro.conf.Positional[str]
+    """House, mesh scene or generated:SEED."""
+
+    out: tyro.conf.Positional[Path]
+    """A .json (houses only) or .glb file."""
+
+    labels: Path | None = None
+    """Label table of a mesh scene."""
+
+    json: JsonFlag = False
+    """Print the file's name as one JSON object on stdout."""
+
+    def run(self) -> None:
+        """Load and write."""
+        from toponav.cli.console import Output
+        from toponav.scenes.export import export_house
+        from toponav.scenes.loading import load_house_spec, load_scene
+
+        if self.out.suffix.lower() == ".json":
+            export_house(load_house_spec(self.scene), self.out)
+        else:
+            export_house(load_scene(self.scene, self.labels), self.out)
+        Output(self.json).result(f"wrote {self.out}", {"file": str(self.out)})
+
+
+@dataclass(frozen=True)
+class Scenes:
+    """Generate, describe and export scenes."""
+
+    command: (
+        Annotated[Generate, tyro.conf.subcommand("generate")]
+        | Annotated[Info, tyro.conf.subcommand("info")]
+        | Annotated[Export, tyro.conf.subcommand("export")]
+    )
+
+    def run(self) -> None:
+        """Run the chosen subcommand."""
+        self.command.run()
