@@ -82,6 +82,18 @@ def largest_piece(mask: CellMask) -> CellMask:
     return piece
 
 
+def window_sums(mask: CellMask, length: int, width: int) -> NDArray[np.int64]:
+    """(nx - length + 1, ny - width + 1) set cells in each window, from a summed-area table."""
+    sums = np.pad(mask.astype(np.int64).cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
+    counts: NDArray[np.int64] = (
+        sums[length:, width:]
+        - sums[:-length, width:]
+        - sums[length:, :-width]
+        + sums[:-length, :-width]
+    )
+    return counts
+
+
 def walkable(mask: CellMask, width_cells: int) -> CellMask:
     """The cells that some `width_cells`-wide square inside the mask covers (a binary opening)."""
     opened: CellMask = ndimage.binary_opening(mask, np.ones((width_cells, width_cells), np.bool_))

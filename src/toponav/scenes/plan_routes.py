@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.csgraph import dijkstra
 
-from toponav.scenes.plan_grid import CellMask, PlanGrid
+from toponav.scenes.plan_grid import CellMask, PlanGrid, window_sums
 
 CORRIDOR_WIDTHS = (12, 9, 7)
 """Cells; the widest that fits is built."""
@@ -79,10 +78,10 @@ def corridor(grid: PlanGrid, a: int, b: int, passable: CellMask) -> CellMask | N
     """
     inside = grid.mask(a) | grid.mask(b)
     for width in CORRIDOR_WIDTHS:
-        fits = _squares_inside(passable | inside, width)
-        sources = _squares_inside(grid.mask(a), width)
-        targets = _squares_inside(grid.mask(b), width)
-        outside = sliding_window_view(~inside, (width, width)).mean(axis=(2, 3))
+        fits = window_sums(~(passable | inside), width, width) == 0
+        sources = window_sums(~grid.mask(a), width, width) == 0
+        targets = window_sums(~grid.mask(b), width, width) == 0
+        outside = window_sums(~inside, width, width) / width**2
         route = _cheapest_route(fits, ROAD_COST + outside, sources, targets)
         if route is not None:
             swept = np.zeros(grid.owner.shape, np.bool_)
@@ -90,12 +89,6 @@ def corridor(grid: PlanGrid, a: int, b: int, passable: CellMask) -> CellMask | N
                 swept[i : i + width, j : j + width] = True
             return swept & ~inside
     return None
-
-
-def _squares_inside(mask: CellMask, width: int) -> CellMask:
-    """(nx - width + 1, ny - width + 1) lower corners of the squares that lie inside the mask."""
-    inside: CellMask = np.all(sliding_window_view(mask, (width, width)), axis=(2, 3))
-    return inside
 
 
 def _cheapest_route(

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from toponav.scenes.house import Point2
-from toponav.scenes.plan_grid import CELL_M, FREE, CellMask, PlanGrid, simple_room
+from toponav.scenes.plan_grid import CELL_M, FREE, CellMask, PlanGrid, simple_room, window_sums
 from toponav.scenes.plan_rooms import NARROWEST_CELLS
 from toponav.scenes.plan_routes import SharedWall
 
@@ -163,7 +163,7 @@ def _candidates(
 
     def cells(mask: CellMask, offset: int, length: int) -> NDArray[np.int64]:
         """Set cells in the part of the stairs that starts at `offset`, for each place."""
-        return _window_sums(mask, length, shape.width)[offset : offset + count]
+        return window_sums(mask, length, shape.width)[offset : offset + count]
 
     hole_offset = landing + run - hole
     fits = (
@@ -179,21 +179,9 @@ def _candidates(
         yield float(cost[i, j]), turns, i, j
 
 
-def _window_sums(mask: CellMask, length: int, width: int) -> NDArray[np.int64]:
-    """(nx - length + 1, ny - width + 1) set cells in each window, from a summed-area table."""
-    sums = np.pad(mask.astype(np.int64).cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
-    counts: NDArray[np.int64] = (
-        sums[length:, width:]
-        - sums[:-length, width:]
-        - sums[length:, :-width]
-        + sums[:-length, :-width]
-    )
-    return counts
-
-
 def _open_sides(room: CellMask, length: int, width: int) -> NDArray[np.int64]:
     """Cells of the room along the two long sides of each window."""
-    sides = np.pad(_window_sums(room, length, 1), ((0, 0), (1, 1)))
+    sides = np.pad(window_sums(room, length, 1), ((0, 0), (1, 1)))
     return sides[:, : -width - 1] + sides[:, width + 1 :]
 
 
@@ -230,10 +218,6 @@ def _center(grid: PlanGrid, cells: CellMask) -> Point2:
 def _leaves_passage(end: StairEnd, blocked: CellMask, landing: CellMask) -> bool:
     """Whether the room can take the flight, and its landing still leads to all its openings."""
     room = end.grid.mask(end.key)
-    grown = room | blocked
-    others = (end.grid.owner != FREE) & ~grown
-    if not np.array_equal(simple_room(grown, others, NARROWEST_CELLS), grown):
-        return False
     doors = [cells_around(wall, room.shape) & room for wall in end.walls]
     if any((door & (blocked | landing)).any() for door in doors):
         return False
@@ -241,7 +225,11 @@ def _leaves_passage(end: StairEnd, blocked: CellMask, landing: CellMask) -> bool
     walked = ndimage.binary_opening(left, np.ones((PASSAGE_CELLS, PASSAGE_CELLS), np.bool_))
     pieces, _ = ndimage.label(walked)
     piece = int(pieces[landing].max())
-    return piece > 0 and all((pieces[door] == piece).any() for door in doors)
+    if piece == 0 or not all((pieces[door] == piece).any() for door in doors):
+        return False
+    grown = room | blocked
+    others = (end.grid.owner != FREE) & ~grown
+    return np.array_equal(simple_room(grown, others, NARROWEST_CELLS), grown)
 
 
 def cells_around(wall: SharedWall, shape: tuple[int, ...]) -> CellMask:
