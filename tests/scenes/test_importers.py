@@ -3,6 +3,7 @@
 import copy
 import json
 import math
+from functools import cache
 from itertools import combinations
 
 import networkx as nx
@@ -54,6 +55,11 @@ HOMES = [
     "00251-wsAYBFtQaL7",
     "00256-92vYG1q49FY",
 ]
+
+
+@cache
+def imported_home(name):
+    return import_domestigraph(shared_data(f"layouts/domestigraph/{name}.yaml"))
 
 
 def flight_footprint(stairs):
@@ -142,7 +148,7 @@ def assert_sound(house):
 @pytest.mark.parametrize("name", HOMES)
 def test_real_homes_can_be_walked(name):
     path = shared_data(f"layouts/domestigraph/{name}.yaml")
-    house = import_domestigraph(path)
+    house = imported_home(name)
     assert_sound(house)
     content = yaml.safe_load(path.read_text())["rooms"]
     for level in house.levels:
@@ -159,7 +165,7 @@ def test_most_rooms_of_the_real_homes_are_kept():
     for name in HOMES:
         path = shared_data(f"layouts/domestigraph/{name}.yaml")
         rooms = set(yaml.safe_load(path.read_text())["rooms"])
-        house = import_domestigraph(path)
+        house = imported_home(name)
         kept += len(rooms & {room.id for level in house.levels for room in level.rooms})
         total += len(rooms)
     assert kept >= 0.9 * total
