@@ -29,7 +29,7 @@ class LocomotionConfig(ConfigModel):
     """Bumps and stalls."""
 
     arrival_m: float = 0.2
-    """A goal is reached when the way to it is this short: less than a step."""
+    """A goal is reached within this distance, metres: less than a step."""
 
 
 class Progress(Enum):
@@ -61,8 +61,8 @@ class Locomotion:
 
     def clearance(self, observation: Observation, grid: OccupancyGrid) -> Clearance:
         """Where the agent fits on the map as it is now."""
-        blocked = grid.index_of(self._bumps.blocked_xy)
-        return self._planner.clearance(grid, observation.world_from_base.translation, blocked)
+        here = observation.world_from_base.translation
+        return self._planner.clearance(grid, here, self._bumps.blocked_xy)
 
     def reach(self, observation: Observation, grid: OccupancyGrid) -> CostField:
         """Cost of walking from the agent to every cell of the known free space."""
@@ -85,11 +85,11 @@ class Locomotion:
             return None
         xy = observation.world_from_base.translation[:2]
         field = self._field(observation, grid)
-        if np.hypot(*(self._goals - xy).T).min(initial=np.inf) <= self._config.arrival_m:
+        if np.hypot(*(field.goals - xy).T).min(initial=np.inf) <= self._config.arrival_m:
             self.progress = Progress.ARRIVED
             return None
         action = None
-        if not self._monitor.stalled(xy):
+        if not self._monitor.stalled(float(field.at(xy))):
             action = self._follower.next_action(
                 observation.world_from_base, field, lambda heading: self._bumps.barred(xy, heading)
             )

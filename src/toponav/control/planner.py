@@ -1,33 +1,38 @@
-"""Shortest paths over known free space: one cost-to-go field a goal, no simulator's navmesh."""
+"""Ways over known free space: one cost-to-go field a goal, no simulator's navmesh."""
 
 from __future__ import annotations
 
-import heapq
+import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
+from pydantic import Field
 from scipy.ndimage import distance_transform_edt
 
 from toponav.config_model import ConfigModel
+from toponav.control.shortest_paths import NO_PARENT, shortest_paths
 from toponav.mapping.view import FREE, OCCUPIED, OccupancyGrid
 
 
 class PlannerConfig(ConfigModel):
     """How close to obstacles a path may come."""
 
-    radius_m: float = 0.18
-    """Radius of the agent (PROTOCOL: 0.18 m)."""
+    radius_m: float = Field(default=0.18, gt=0.0)
+    """Radius of the agent, metres (PROTOCOL)."""
 
-    preferred_clearance_m: float = 0.5
+    preferred_clearance_m: float = Field(default=0.5, gt=0.0)
     """Nearer to obstacles than this, every metre costs more, so that paths keep to the middle."""
 
-    clearance_weight: float = 3.0
-    """Extra cost of a metre at zero clearance."""
+    clearance_weight: float = Field(default=3.0, ge=0.0)
+    """Extra cost of a metre at zero clearance, in metres."""
 
-    escape_radius_m: float = 0.45
+    escape_radius_m: float = Field(default=0.45, ge=0.0)
     """Around the agent, free cells may be crossed however near an obstacle is: it stands there."""
+
+    goal_tolerance_m: float = Field(default=0.3, ge=0.0)
+    """A goal where the agent does not fit is replaced by the nearest cell within this where it
+    does."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,8 +41,8 @@ class Clearance:
 
     Attributes:
         grid: The grid.
-        distance_m: (N_x, N_y) distance from a cell's centre to the nearest obstacle's cell edge.
-        traversable: (N_x, N_y) bool, free cells in which the agent fits.
+        distance_m: (N_x, N_y) distance from a cell's centre to the nearest obstacle cell's edge.
+        traversable: (N_x, N_y) bool, cells in which the agent fits.
         step_cost: (N_x, N_y) cost of a metre, at least 1.
     """
 
@@ -49,15 +54,21 @@ class Clearance:
 
 @dataclass(frozen=True, eq=False)
 class CostField:
-    """Cost-to-go to a set of cells: metres, weighted where it is narrow.
+    """Cost-to-go to the nearest of some goals: metres, weighted where it is narrow.
 
     Attributes:
         clearance: Where the agent fits.
-        cost: (N_x, N_y), infinite where the goal cannot be reached from.
+        goals: (G, 2) what the field leads to: the goals as given where the agent fits there, else
+            the cells that replace them; world frame, metres.
+        cost: (N_x, N_y), infinite where no goal can be reached from.
+        parent: (N_x, N_y) flat index of the next cell on the way; `NO_PARENT` at goals and where
+            there is no way.
     """
 
     clearance: Clearance
+    goals: NDArray[np.float64]
     cost: NDArray[np.float64]
+    parent: NDArray[np.int64]
 
     def at(self, xy: ArrayLike) -> NDArray[np.float64]:
         """(...,) cost at (..., 2) positions; infinite outside the grid."""
@@ -67,27 +78,31 @@ class CostField:
         cell = np.where(inside[..., None], index, 0)
         return np.where(inside, self.cost[cell[..., 0], cell[..., 1]], np.inf)
 
-    def geodesic(self, a: ArrayLike, b: ArrayLike) -> float:
-        """Length of the way between the field's goal and the farther of two positions, metres.
-
-        One of them is where the field starts from; infinite when there is no way.
-        """
-        return max(self.length_from(a), self.length_from(b))
+    def path_from(self, xy: ArrayLike) -> NDArray[np.float64]:
+        """(K, 2) cell centres on the cheapest way to a goal; empty when there is none."""
+        grid = self.clearance.grid
+        start = grid.index_of(xy)
+        if not np.isfinite(self.at(xy)):
+            return np.zeros((0, 2))
+        flat = int(np.ravel_multi_index((start[0], start[1]), self.cost.shape))
+        cells = [flat]
+        while (flat := int(self.parent.flat[flat])) != NO_PARENT:
+            cells.append(flat)
+        return grid.center_of(np.stack(np.unravel_index(cells, self.cost.shape), axis=-1))
 
     def length_from(self, xy: ArrayLike) -> float:
         """Length of `path_from`, metres; infinite when there is no way."""
         path = self.path_from(xy)
         if not len(path):
-            return np.inf
+            return math.inf
         return float(np.hypot(*np.diff(path, axis=0).T).sum())
 
-    def path_from(self, xy: ArrayLike) -> NDArray[np.float64]:
-        """(K, 2) cell centres down the field to its goal; empty when there is no way."""
-        grid = self.clearance.grid
-        i, j = (int(k) for k in grid.index_of(xy))
-        if not grid.contains((i, j)) or not np.isfinite(self.cost[i, j]):
-            return np.zeros((0, 2))
-        return grid.center_of(_descend(self.cost, i, j))
+    def geodesic(self, a: ArrayLike, b: ArrayLike) -> float:
+        """Length of the way between the field's goal and the farther of two positions, metres.
+
+        One of them is where the field leads; infinite when there is no way.
+        """
+        return max(self.length_from(a), self.length_from(b))
 
 
 class Planner:
@@ -98,109 +113,72 @@ class Planner:
         self._config = config
 
     def clearance(
-        self, grid: OccupancyGrid, agent_xy: ArrayLike, blocked: ArrayLike | None = None
+        self, grid: OccupancyGrid, agent_xy: ArrayLike, blocked_xy: ArrayLike | None = None
     ) -> Clearance:
         """Inflate the obstacles by the agent's radius.
 
         Args:
-            grid: Known space; only FREE cells are ever crossed.
-            agent_xy: (2,) where the agent stands.
-            blocked: (N, 2) cells that the agent has bumped into.
+            grid: Known space; beyond the agent's own body only FREE cells are ever crossed.
+            agent_xy: (2 or 3,) where the agent stands, world frame, metres.
+            blocked_xy: (N, 2) positions of obstacles that the agent felt and no image shows.
         """
-        occupied = grid.cells == OCCUPIED
-        free = grid.cells == FREE
-        if blocked is not None and len(cells := np.asarray(blocked, dtype=np.int64)):
-            cells = cells[grid.contains(cells)]
-            occupied[cells[:, 0], cells[:, 1]] = True
+        config = self._config
+        occupied, free = grid.cells == OCCUPIED, grid.cells == FREE
+        if blocked_xy is not None:
+            felt = grid.index_of(np.asarray(blocked_xy, dtype=np.float64).reshape(-1, 2))
+            felt = felt[grid.contains(felt)]
+            occupied[felt[:, 0], felt[:, 1]] = True
             free &= ~occupied
         half_cell = 0.5 * grid.resolution
         if occupied.any():
             distance = distance_transform_edt(~occupied) * grid.resolution - half_cell
         else:
             distance = np.full(grid.cells.shape, np.inf)
-        config = self._config
-        # An obstacle's surface lies anywhere in its cell, on average half a cell inside.
+        # An obstacle's surface lies anywhere in its cell, on average half a cell inside; a whole
+        # cell of margin would close doors of 0.7 m on a 0.1 m grid.
         fits = free & (distance + half_cell > config.radius_m)
-        x, y = (np.asarray(agent_xy, dtype=np.float64)[:2] - grid.origin) / grid.resolution
-        rows, columns = np.ogrid[: grid.cells.shape[0], : grid.cells.shape[1]]
-        here = np.hypot(rows + 0.5 - x, columns + 0.5 - y) * grid.resolution
-        fits |= free & (here < config.escape_radius_m)
+        here = _distance_to(grid, agent_xy)
+        fits |= free & (here <= config.escape_radius_m)
+        # Where its body is there is no obstacle, whatever the map says.
+        fits |= here <= config.radius_m
         shortfall = np.clip(1.0 - distance / config.preferred_clearance_m, 0.0, 1.0)
         cost = 1.0 + config.clearance_weight * shortfall**2
         return Clearance(grid, distance, fits, cost)
 
     def cost_field(self, clearance: Clearance, goals_xy: ArrayLike) -> CostField:
-        """Cost-to-go from every cell to the nearest of (N, 2) goal positions."""
+        """Cost-to-go from every cell to the nearest of (N, 2 or 3) goal positions."""
         grid = clearance.grid
-        index = grid.index_of(np.atleast_2d(np.asarray(goals_xy, dtype=np.float64)))
-        index = index[grid.contains(index)]
-        cost = _dijkstra(clearance.traversable, clearance.step_cost * grid.resolution, index)
-        return CostField(clearance, cost)
+        goals = np.atleast_2d(np.asarray(goals_xy, dtype=np.float64))[:, :2]
+        kept = [goal for goal in (self._fit(clearance, goal) for goal in goals) if goal is not None]
+        fitted = np.asarray(kept, dtype=np.float64).reshape(-1, 2)
+        cost, parent = shortest_paths(
+            clearance.traversable, clearance.step_cost * grid.resolution, grid.index_of(fitted)
+        )
+        return CostField(clearance, fitted, cost, parent)
+
+    def _fit(
+        self, clearance: Clearance, goal_xy: NDArray[np.float64]
+    ) -> NDArray[np.float64] | None:
+        """The goal, or the centre of the nearest cell in which the agent fits; None if too far."""
+        grid = clearance.grid
+        cell = grid.index_of(goal_xy)
+        if grid.contains(cell) and clearance.traversable[cell[0], cell[1]]:
+            return goal_xy
+        reach = math.ceil(self._config.goal_tolerance_m / grid.resolution)
+        low = np.maximum(cell - reach, 0)
+        high = np.maximum(cell + reach + 1, 0)
+        nearby = np.argwhere(clearance.traversable[low[0] : high[0], low[1] : high[1]]) + low
+        if not len(nearby):
+            return None
+        centers = grid.center_of(nearby)
+        distance = np.hypot(*(centers - goal_xy).T)
+        nearest = int(np.argmin(distance))
+        return centers[nearest] if distance[nearest] <= self._config.goal_tolerance_m else None
 
 
-_NEIGHBOURS = np.array(
-    [
-        (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1),
-        (2, 1), (2, -1), (-2, 1), (-2, -1), (1, 2), (1, -2), (-1, 2), (-1, -2),
-    ],
-    dtype=np.int64,
-)  # fmt: skip
-"""16 neighbours: straight, diagonal and knight's moves keep lengths within 3 % of Euclid's."""
-
-
-@njit(cache=True)
-def _clear_between(traversable: NDArray[np.bool_], i: int, j: int, di: int, dj: int) -> bool:
-    """Whether no corner is cut between a cell and its neighbour."""
-    if abs(di) == 2:
-        return bool(traversable[i + di // 2, j] and traversable[i + di // 2, j + dj])
-    if abs(dj) == 2:
-        return bool(traversable[i, j + dj // 2] and traversable[i + di, j + dj // 2])
-    return bool(traversable[i + di, j] and traversable[i, j + dj])
-
-
-@njit(cache=True)
-def _dijkstra(
-    traversable: NDArray[np.bool_], cell_cost: NDArray[np.float64], goals: NDArray[np.int64]
-) -> NDArray[np.float64]:
-    """Cost-to-go by Dijkstra's algorithm with a binary heap; ties go to the lower cell index."""
-    rows, columns = traversable.shape
-    cost = np.full((rows, columns), np.inf)
-    heap = [(0.0, 0)]
-    heap.pop()
-    for k in range(len(goals)):
-        i, j = goals[k]
-        if traversable[i, j] and cost[i, j] > 0.0:
-            cost[i, j] = 0.0
-            heapq.heappush(heap, (0.0, i * columns + j))
-    while heap:
-        distance, cell = heapq.heappop(heap)
-        i, j = cell // columns, cell % columns
-        if distance > cost[i, j]:
-            continue
-        for n in range(16):
-            di, dj = _NEIGHBOURS[n]
-            a, b = i + di, j + dj
-            if a < 0 or b < 0 or a >= rows or b >= columns or not traversable[a, b]:
-                continue
-            if n >= 4 and not _clear_between(traversable, i, j, di, dj):
-                continue
-            length = np.sqrt(float(di * di + dj * dj))
-            candidate = distance + length * 0.5 * (cell_cost[i, j] + cell_cost[a, b])
-            if candidate < cost[a, b] - 1e-12:
-                cost[a, b] = candidate
-                heapq.heappush(heap, (candidate, a * columns + b))
-    return cost
-
-
-def _descend(cost: NDArray[np.float64], i: int, j: int) -> NDArray[np.int64]:
-    """(K, 2) cells from (i, j) down to a local minimum, which is a goal."""
-    cells = [(i, j)]
-    while True:
-        best = cells[-1]
-        for di, dj in _NEIGHBOURS[:8]:
-            a, b = cells[-1][0] + int(di), cells[-1][1] + int(dj)
-            if 0 <= a < cost.shape[0] and 0 <= b < cost.shape[1] and cost[a, b] < cost[best]:
-                best = (a, b)
-        if best == cells[-1]:
-            return np.array(cells, dtype=np.int64)
-        cells.append(best)
+def _distance_to(grid: OccupancyGrid, xy: ArrayLike) -> NDArray[np.float64]:
+    """(N_x, N_y) distance of every cell's centre to a position, metres."""
+    x, y = (np.asarray(xy, dtype=np.float64)[:2] - grid.origin) / grid.resolution
+    rows, columns = np.ogrid[: grid.cells.shape[0], : grid.cells.shape[1]]
+    distance: NDArray[np.float64] = np.hypot(rows + 0.5 - x, columns + 0.5 - y) * grid.resolution
+    return distance
