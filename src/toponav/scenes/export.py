@@ -15,7 +15,7 @@ from trimesh.visual.material import PBRMaterial
 from toponav.errors import SceneError
 from toponav.geometry.conventions import WORLD_FROM_HABITAT
 from toponav.scenes.house import House
-from toponav.scenes.house_io import save_house, write_atomically
+from toponav.scenes.house_io import replace_file, save_house
 from toponav.scenes.mesh import Material, Scene, SceneMesh
 from toponav.scenes.meshing import build_scene
 
@@ -47,7 +47,7 @@ def export_house(source: House | Scene, path: Path | str, base_dir: Path | None 
         save_house(source, path)
         return
     scene = build_scene(source, base_dir) if isinstance(source, House) else source
-    write_atomically(path, scene_to_glb(scene))
+    replace_file(path, scene_to_glb(scene))
 
 
 def scene_to_glb(scene: Scene) -> bytes:
@@ -92,7 +92,8 @@ def _corners_mesh(
     corners = vertices[mesh.faces[faces]].reshape(-1, 3)
     visual = TextureVisuals(uv=mesh.face_uv[faces].reshape(-1, 2), material=material)
     if mesh.corner_colors is not None:
-        visual.vertex_attributes["color"] = mesh.corner_colors[faces].reshape(-1, 3)
+        colors = mesh.corner_colors[faces].reshape(-1, 3)
+        visual.vertex_attributes["color"] = np.pad(colors, ((0, 0), (0, 1)), constant_values=255)
     return trimesh.Trimesh(
         vertices=corners,
         faces=np.arange(len(corners)).reshape(-1, 3),

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-import os
-import tempfile
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
 from toponav.errors import SceneError
+from toponav.files import write_atomic
 from toponav.scenes.house import HOUSE_FORMAT, House
 from toponav.scenes.schema_errors import describe_schema_error
 from toponav.scenes.validation import validate_house
@@ -84,7 +83,7 @@ def save_house(house: House, path: Path | str) -> None:
     """
     path = Path(path)
     validate_house(house)
-    write_atomically(path, house_to_json(house).encode())
+    replace_file(path, house_to_json(house))
 
 
 def house_to_json(house: House) -> str:
@@ -92,22 +91,14 @@ def house_to_json(house: House) -> str:
     return _formatted(house.model_dump(mode="json"), "") + "\n"
 
 
-def write_atomically(path: Path, content: bytes) -> None:
-    """Write beside `path` and rename, so that no reader ever meets half a file.
+def replace_file(path: Path, content: str | bytes) -> None:
+    """Write a scene file whole or not at all.
 
     Raises:
-        SceneError: The folder does not exist or cannot be written to.
+        SceneError: The folder or the file cannot be written.
     """
     try:
-        descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-        try:
-            with os.fdopen(descriptor, "wb") as file:
-                file.write(content)
-            Path(temporary).chmod(0o644)
-            Path(temporary).replace(path)
-        except OSError:
-            Path(temporary).unlink(missing_ok=True)
-            raise
+        write_atomic(path, content)
     except OSError as error:
         raise SceneError(f"{path}: cannot be written: {error.strerror}") from None
 
