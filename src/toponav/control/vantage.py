@@ -4,13 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from toponav.control.planner import CostField
 from toponav.mapping.view import MapView
-from toponav.policy.goal import GoalTracker, horizontal_distance
+from toponav.policy.goal import GoalTracker
+from toponav.policy.sight import TargetSight
+
+MARGIN_M = 0.2
+"""A walk ends up to `LocomotionConfig.arrival_m` short of the spot; it still has to be near enough
+to stop there."""
 
 MAX_TRIED = 200
-"""Spots checked for sight, the cheapest to reach first."""
+"""Spots checked for sight, the best first."""
 
 
 def vantage_point(
@@ -24,22 +30,30 @@ def vantage_point(
 
     Args:
         target_points: (N, 3) S_sem.
-        goal: Knows the stop distance and what is in sight.
+        goal: Knows the stop distances and what hides the target.
         view: The map.
         reach: Cost of walking from the agent to every cell.
-        eye_height_m: Height of the camera above the floor.
+        eye_height_m: Height of the camera above the floor, metres.
 
     Returns:
-        (3,) on the floor, world frame; None when no such spot is known.
+        (3,) on the floor, world frame, metres. Where nothing can be reached that is well within
+        the stop distance, the spot nearest to the target; None when no spot sees it from within
+        the farthest distance.
     """
     cells = np.argwhere(np.isfinite(reach.cost))
     if not len(cells) or not len(target_points):
         return None
     spots = reach.clearance.grid.center_of(cells)
-    near = horizontal_distance(spots, target_points) <= goal.config.stop_distance_m
-    cells, spots = cells[near], spots[near]
-    order = np.argsort(reach.cost[cells[:, 0], cells[:, 1]], kind="stable")[:MAX_TRIED]
-    for x, y in spots[order]:
-        if goal.within_reach((x, y, view.floor_z + eye_height_m), target_points, view):
+    distance, _ = cKDTree(target_points[:, :2]).query(spots)
+    config = goal.config
+    well_within = distance <= config.stop_distance_m - MARGIN_M
+    cost = np.where(well_within, reach.cost[cells[:, 0], cells[:, 1]], np.inf)
+    # The last key is the first criterion: cheapest well within, then nearest beyond.
+    best_first = np.lexsort((distance, cost))
+    tried = best_first[distance[best_first] <= config.farthest_stop_m][:MAX_TRIED]
+    sight = TargetSight(target_points, view.scene.points, config.farthest_stop_m, config.sight)
+    limit = np.where(well_within, config.stop_distance_m, config.farthest_stop_m)
+    for (x, y), limit_m in zip(spots[tried], limit[tried], strict=True):
+        if sight.within_reach((x, y, view.floor_z + eye_height_m), limit_m):
             return np.array([x, y, view.floor_z])
     return None

@@ -18,21 +18,25 @@ A_obs      M_obs                                       0 everywhere: all points 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 from scipy.spatial import cKDTree
 
 from toponav.config_model import ConfigModel
 from toponav.mapping.view import MapView
 
 FloatArray = NDArray[np.float64]
+Weight = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 
 
 class Phase(Enum):
-    """The two phases of the strategy."""
+    """The two phases: acquisition while g_found = 1 and T_target is in O, else exploration."""
 
     EXPLORATION = "exploration"
     TARGET_ACQUISITION = "target acquisition"
@@ -41,25 +45,29 @@ class Phase(Enum):
 class AffordanceConfig(ConfigModel):
     """Which terms count, and what is safe. All weights are 1 in the paper; 0 ablates a term."""
 
-    weight_dir: float = 1.0
+    weight_dir: Weight = 1.0
     """Weight of A_dir."""
 
-    weight_node: float = 1.0
+    weight_node: Weight = 1.0
     """Weight of A_node."""
 
-    weight_front: float = 1.0
+    weight_front: Weight = 1.0
     """Weight of A_front."""
 
-    weight_hist: float = 1.0
+    weight_hist: Weight = 1.0
     """Weight of A_hist."""
 
-    weight_sem: float = 1.0
+    weight_sem: Weight = 1.0
     """Weight of A_sem."""
 
-    sigma: float = 0.05
-    """Safety threshold: a point is safe when 1 - A_obs exceeds it."""
+    sigma: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.05
+    """Safety threshold: a point is safe when 1 - A_obs exceeds it. The paper gives no value."""
 
-    epsilon: float = 1e-6
+    min_clearance_m: Annotated[float, Field(ge=0.0)] = 0.18
+    """A safe point is also this far from M_obs on the floor, metres: the agent's radius (PROTOCOL).
+    What sigma means in metres depends on the map's size; this does not. 0 leaves sigma alone."""
+
+    epsilon: Annotated[float, Field(gt=0.0)] = 1e-6
     """Keeps N(d) finite when all distances are equal, metres."""
 
 
@@ -69,13 +77,14 @@ class Affordances:
 
     Attributes:
         points: (N, 3) float32, M_nav.
-        terms: The phase's terms by name, (N,) each, unweighted.
+        terms: The phase's terms by name ("dir", "node", "front", "hist" or "dir", "sem"), (N,)
+            each in [0, 1], unweighted.
         safe: (N,) bool, the indicator I(.).
         total: (N,) weighted sum, 0 where not safe.
     """
 
     points: NDArray[np.float32]
-    terms: dict[str, FloatArray]
+    terms: Mapping[str, FloatArray]
     safe: NDArray[np.bool_]
     total: FloatArray
 
@@ -162,13 +171,24 @@ def _combine(
     weights: dict[str, float],
     config: AffordanceConfig,
 ) -> Affordances:
+    """Sum the weighted terms and zero them near obstacles."""
     points = view.navigable.points
     total = np.zeros(len(points))
     for name, term in terms.items():
         total += weights[name] * term
+    safe = _is_safe(points, view.obstacles.points, config)
+    return Affordances(points, terms, safe, np.where(safe, total, 0.0))
+
+
+def _is_safe(
+    points: NDArray[np.float32], obstacles: NDArray[np.float32], config: AffordanceConfig
+) -> NDArray[np.bool_]:
+    """The indicator I(.) of every point."""
+    if not len(points) or not len(obstacles):
+        return np.ones(len(points), dtype=np.bool_)
     # The paper writes I(A_obs > sigma), but A_obs = N(d) is 1 at the point nearest to an obstacle,
     # so read literally the mask would keep the dangerous points. Its text asks for the opposite
     # ("zeroing out affordances near obstacles"), hence the complement here.
-    obstacle = normalized_affordance(points, view.obstacles.points, config.epsilon)
-    safe = 1.0 - obstacle > config.sigma
-    return Affordances(points, terms, safe, np.where(safe, total, 0.0))
+    a_obs = normalized_affordance(points, obstacles, config.epsilon)
+    clearance, _ = cKDTree(obstacles[:, :2]).query(points[:, :2])
+    return np.asarray((1.0 - a_obs > config.sigma) & (clearance >= config.min_clearance_m))
