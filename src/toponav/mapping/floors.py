@@ -1,54 +1,256 @@
-"""Which floor the agent is on, from the height of its feet alone."""
+"""Floors, and which part of the scene belongs to which (Section III-C).
+
+A voxel of M_scene belongs to the highest floor whose band it reaches from below, and there to one
+of the paper's layers by the height of its centroid:
+
+    navigable  |z - z_floor| <= delta
+    obstacle   z_floor + delta < z < z_floor + obstacle_top
+    stairs     labelled with a category of C_nav: navigable at any height, never an obstacle,
+               on the floor that it rises from and on the one that it leads to
+"""
 
 from __future__ import annotations
 
-import math
-from collections import deque
+from dataclasses import dataclass
+from enum import IntEnum
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
-SAME_FLOOR_M = 0.5
-"""Feet this near to a floor's height stand on it: less than half the least storey."""
-
-NEW_FLOOR_M = 1.2
-"""A level stretch at least this far from every known floor is a new one."""
-
-LEVEL_TRAVEL_M = 0.7
-LEVEL_TOLERANCE_M = 0.06
-"""A stretch is level when the feet rise less than this over that travel: no stairs do."""
+from toponav.mapping.frontiers import FrontierMap
+from toponav.mapping.occupancy import FloorGrid
+from toponav.mapping.voxels import EMPTY, VoxelCloud, find_slot, unpack_keys
 
 
-class FloorTracker:
-    """Floors with stable indices, in the order of discovery.
+class Layer(IntEnum):
+    """What a voxel is to its floor."""
 
-    On stairs the last floor stays current until the feet are near another known floor, or have
-    walked a level stretch at a new height.
+    NAVIGABLE = 0
+    OBSTACLE = 1
+    STAIRS = 2
+
+
+NAVIGABLE, OBSTACLE, STAIRS = (int(layer) for layer in Layer)
+LAYERS = len(Layer)
+"""A voxel's code is its floor's index times LAYERS plus its layer."""
+
+NO_LAYER = -1
+"""Code of a voxel that concerns no floor: over an agent's head, or under the lowest floor."""
+
+
+@dataclass(frozen=True, eq=False)
+class Floor:
+    """One storey.
+
+    Attributes:
+        index: Number in the order of discovery; stable.
+        z: z_floor, metres.
+        grid: G.
+        frontiers: M_fro.
+        bridges: Interpolated points of M_nav, and those under the agent's feet.
     """
 
-    def __init__(self) -> None:
-        """Start without floors; the first pose makes floor 0."""
-        self.heights: list[float] = []
-        self.current = 0
-        self._stretch: deque[tuple[float, float, float]] = deque()
+    index: int
+    z: float
+    grid: FloorGrid
+    frontiers: FrontierMap
+    bridges: VoxelCloud
 
-    def update(self, foot: NDArray[np.float64]) -> int:
-        """Take the (3,) foot point of a frame, metres; returns the current floor's index."""
-        x, y, z = (float(v) for v in foot)
-        if not self.heights:
-            self.heights.append(z)
-        self._stretch.append((x, y, z))
-        while abs(self._stretch[0][2] - z) > LEVEL_TOLERANCE_M:
-            self._stretch.popleft()
-        nearest = min(range(len(self.heights)), key=lambda k: abs(self.heights[k] - z))
-        gap = abs(self.heights[nearest] - z)
-        if gap <= SAME_FLOOR_M:
-            self.current = nearest
-        elif gap >= NEW_FLOOR_M and self._level_travel() >= LEVEL_TRAVEL_M:
-            self.heights.append(z)
-            self.current = len(self.heights) - 1
-        return self.current
 
-    def _level_travel(self) -> float:
-        """Distance between the ends of the level stretch, metres."""
-        return math.dist(self._stretch[0][:2], self._stretch[-1][:2])
+class FloorLayers:
+    """Keeps the floor and layer of every scene voxel, and with them the grids of the floors."""
+
+    def __init__(
+        self, scene: VoxelCloud, delta: float, obstacle_top: float, voxels_per_cell: int
+    ) -> None:
+        """Start without floors.
+
+        Args:
+            scene: M_scene; its slots are what this class speaks of.
+            delta: Half the height of the navigable band, metres.
+            obstacle_top: Height over the floor from which on nothing is in the way, metres.
+            voxels_per_cell: r_g / r_pcd.
+        """
+        self._scene = scene
+        self._heights = (delta, obstacle_top)
+        self._voxels_per_cell = voxels_per_cell
+        self._floors: list[Floor] = []
+        self._codes = np.empty(0, np.int16)
+        self._is_stairs = np.empty(0, np.bool_)
+
+    @property
+    def floors(self) -> tuple[Floor, ...]:
+        """All floors, in the order of discovery."""
+        return tuple(self._floors)
+
+    @property
+    def nbytes(self) -> int:
+        """Memory held, bytes."""
+        floors = sum(f.grid.nbytes + f.frontiers.nbytes + f.bridges.nbytes for f in self._floors)
+        return self._codes.nbytes + self._is_stairs.nbytes + floors
+
+    def add_floor(self, floor: Floor) -> None:
+        """Add a floor, and sort the whole scene anew; the only step that costs what the map holds.
+
+        Args:
+            floor: Its index is the number of floors so far.
+        """
+        self._follow_storage()
+        everything = np.arange(len(self._scene), dtype=np.int32)
+        self._count(everything, self._codes[everything], -1)
+        self._codes[everything] = NO_LAYER
+        self._floors.append(floor)
+        self.update(everything)
+
+    def mark_stairs(self, keys: NDArray[np.int64]) -> None:
+        """Label scene voxels, by key, as belonging to C_nav; `update` makes it count."""
+        self._follow_storage()
+        arrays = self._scene.arrays
+        _mark(arrays.table, arrays.keys, keys, self._is_stairs)
+
+    def update(self, slots: NDArray[np.int32]) -> None:
+        """Sort scene voxels whose centroid or label changed."""
+        self._follow_storage()
+        before = self._codes[slots]
+        ascending = sorted(self._floors, key=lambda floor: floor.z)
+        _classify(
+            slots,
+            (self._scene.arrays.points, self._is_stairs),
+            np.array([floor.z for floor in ascending]),
+            np.array([floor.index for floor in ascending]),
+            self._heights,
+            self._codes,
+        )
+        after = self._codes[slots]
+        moved = before != after
+        self._count(slots[moved], before[moved], -1)
+        self._count(slots[moved], after[moved], +1)
+
+    def navigable(self, floor: Floor) -> NDArray[np.int64]:
+        """Slots of the scene voxels in M_nav of a floor, in order of first observation."""
+        return _slots_with(
+            self._codes, len(self._scene), self._wanted(self._navigable_codes(floor))
+        )
+
+    def obstacles(self, floor: Floor) -> NDArray[np.int64]:
+        """Slots of M_obs of a floor, in order of first observation."""
+        wanted = self._wanted([_code(floor, Layer.OBSTACLE)])
+        return _slots_with(self._codes, len(self._scene), wanted)
+
+    def are_navigable(self, slots: NDArray[np.integer], floor: Floor) -> NDArray[np.bool_]:
+        """(N,) which scene voxels are in M_nav of a floor."""
+        navigable: NDArray[np.bool_] = self._wanted(self._navigable_codes(floor))[
+            self._codes[slots]
+        ]
+        return navigable
+
+    def observed_navigable(self, keys: NDArray[np.int64], floor: Floor) -> NDArray[np.bool_]:
+        """(N,) which voxels, by key, are scene voxels in M_nav of a floor."""
+        arrays = self._scene.arrays
+        slots = _find(arrays.table, arrays.keys, keys)
+        observed: NDArray[np.bool_] = slots != EMPTY
+        observed[observed] = self.are_navigable(slots[observed], floor)
+        return observed
+
+    def columns(self, keys: NDArray[np.int64]) -> NDArray[np.int64]:
+        """(N, 2) world indices of the grid cells over voxels."""
+        columns: NDArray[np.int64] = unpack_keys(keys)[:, :2] // self._voxels_per_cell
+        return columns
+
+    def _count(self, slots: NDArray[np.int32], codes: NDArray[np.int16], sign: int) -> None:
+        """Add voxels of those codes to the floors' grids, or take them away."""
+        columns = self.columns(self._scene.arrays.keys[slots])
+        for floor in self._floors:
+            navigable = self._wanted(self._navigable_codes(floor))[codes]
+            floor.grid.change(columns[navigable], navigable=sign, obstacles=0)
+            obstacle = codes == _code(floor, Layer.OBSTACLE)
+            floor.grid.change(columns[obstacle], navigable=0, obstacles=sign)
+
+    def _navigable_codes(self, floor: Floor) -> list[int]:
+        """Its own floor and stairs, and the stairs that rise from the floor below."""
+        codes = [_code(floor, Layer.NAVIGABLE), _code(floor, Layer.STAIRS)]
+        lower = [other for other in self._floors if other.z < floor.z]
+        if lower:
+            codes.append(_code(max(lower, key=lambda other: other.z), Layer.STAIRS))
+        return codes
+
+    def _wanted(self, codes: list[int]) -> NDArray[np.bool_]:
+        """Look-up table from a code to whether it is among `codes`; NO_LAYER is its last entry."""
+        wanted = np.zeros(LAYERS * len(self._floors) + 1, np.bool_)
+        wanted[codes] = True
+        return wanted
+
+    def _follow_storage(self) -> None:
+        """Keep one code a slot as the scene's storage grows."""
+        missing = len(self._scene.arrays.keys) - len(self._codes)
+        if missing:
+            self._codes = np.append(self._codes, np.full(missing, NO_LAYER, np.int16))
+            self._is_stairs = np.append(self._is_stairs, np.zeros(missing, np.bool_))
+
+
+def _code(floor: Floor, layer: Layer) -> int:
+    return floor.index * LAYERS + layer
+
+
+@njit(cache=True)
+def _classify(
+    slots: NDArray[np.int32],
+    voxels: tuple[NDArray[np.float32], NDArray[np.bool_]],
+    floor_z: NDArray[np.float64],
+    floor_index: NDArray[np.int64],
+    heights: tuple[float, float],
+    codes: NDArray[np.int16],
+) -> None:
+    """Write the codes of voxels; the floors are in ascending order of height."""
+    points, is_stairs = voxels
+    delta, obstacle_top = heights
+    for row in range(slots.size):
+        slot = slots[row]
+        z = points[slot, 2]
+        below = -1
+        while below + 1 < floor_z.size and z >= floor_z[below + 1] - delta:
+            below += 1
+        code = NO_LAYER
+        if is_stairs[slot]:
+            code = floor_index[max(below, 0)] * LAYERS + STAIRS
+        elif below >= 0 and z <= floor_z[below] + delta:
+            code = floor_index[below] * LAYERS + NAVIGABLE
+        elif below >= 0 and z < floor_z[below] + obstacle_top:
+            code = floor_index[below] * LAYERS + OBSTACLE
+        codes[slot] = code
+
+
+@njit(cache=True)
+def _slots_with(
+    codes: NDArray[np.int16], size: int, wanted: NDArray[np.bool_]
+) -> NDArray[np.int64]:
+    """Those of the first `size` slots whose code is wanted, ascending."""
+    found = np.empty(size, np.int64)
+    count = 0
+    for slot in range(size):
+        found[count] = slot
+        count += wanted[codes[slot]]
+    return found[:count]
+
+
+@njit(cache=True)
+def _find(
+    table: NDArray[np.int32], keys: NDArray[np.int64], wanted: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """Slots of keys, or EMPTY."""
+    slots = np.empty(wanted.size, np.int64)
+    for row in range(wanted.size):
+        slots[row] = find_slot(table, keys, wanted[row])
+    return slots
+
+
+@njit(cache=True)
+def _mark(
+    table: NDArray[np.int32],
+    keys: NDArray[np.int64],
+    wanted: NDArray[np.int64],
+    marks: NDArray[np.bool_],
+) -> None:
+    for row in range(wanted.size):
+        marks[find_slot(table, keys, wanted[row])] = True

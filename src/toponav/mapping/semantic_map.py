@@ -1,254 +1,281 @@
-"""The semantic point cloud map of Section III-C: M_scene, M_obj, M_nav, M_obs, M_fro and G.
-
-Incremental: a frame costs what the frame holds, not what the map holds. Where the paper is silent
-or is departed from:
-
-- the height bands are applied to points before downsampling; that differs from the paper only in
-  voxels that straddle a band's edge;
-- obstacles end at `obstacle_top_m` above the floor: a ceiling, a lamp or a lintel is no obstacle
-  for an agent of 0.88 m;
-- points of C_nav (stairs) are never obstacles, or their steps would bar the way that they are;
-- a frontier point is the centre of its cell, not the corner.
-"""
+"""The semantic point cloud map, built frame by frame (Section III-C)."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from toponav.config_model import ConfigModel
-from toponav.mapping.floors import FloorTracker
-from toponav.mapping.frontiers import frontier_cells
-from toponav.mapping.integration import NO_LABEL, integrate_frame, interpolate_to
-from toponav.mapping.occupancy import OccupancyCounts
-from toponav.mapping.view import FrameUpdate, MapView, OccupancyGrid, PointCloud
-from toponav.mapping.voxels import MAX_TAGS, VoxelCloud
+from toponav.errors import ObservationError
+from toponav.mapping.back_projection import DepthWindow, FrameScatter
+from toponav.mapping.floors import Floor, FloorLayers
+from toponav.mapping.frontiers import FrontierMap
+from toponav.mapping.interpolation import disc, interpolate
+from toponav.mapping.occupancy import FloorGrid
+from toponav.mapping.view import FrameUpdate, MapView, PointCloud
+from toponav.mapping.voxels import VoxelCloud, frozen, pack_points
 from toponav.types import Detections, Observation
+
+LEVEL_TOLERANCE_M = 0.08
+"""How far points may be above or below the foot to count as the ground that the agent stands on:
+depth noise and a sill pass, the next tread of a stair (0.15 m and more) does not."""
 
 
 class MapConfig(ConfigModel):
-    """Parameters of the map, by the paper's symbols where it has one."""
+    """Resolutions and heights of the map.
+
+    The paper names r_pcd, r_g, delta and Delta_step and gives no values; r_pcd and r_g are those of
+    InstructNav, on which it builds.
+    """
 
     r_pcd: float = Field(default=0.05, gt=0.0)
-    """Voxel size of all clouds, metres (InstructNav's, on which the paper builds)."""
+    """Edge of a voxel of the point clouds, metres."""
 
     r_g: float = Field(default=0.1, gt=0.0)
-    """Cell size of the grid G, metres; a whole multiple of r_pcd."""
+    """Edge of a cell of the grid G, metres; a whole multiple of r_pcd."""
 
     delta: float = Field(default=0.15, gt=0.0)
-    """Half-height of the floor band, metres: below the protocol's climb of 0.2 m."""
+    """Floor irregularities: points within delta of z_floor, metres, are navigable. A little under
+    the 0.2 m that the agent can climb, since a voxel's centroid lies below its top."""
 
-    delta_step: float = Field(default=0.1, gt=0.0)
-    """Spacing of the points interpolated from the standing point, metres."""
+    delta_step: float = Field(default=0.05, gt=0.0)
+    """Distance between interpolated points of M_nav, metres: one a voxel."""
 
     obstacle_top_m: float = Field(default=1.0, gt=0.0)
-    """Points higher above the floor are no obstacle: the agent's 0.88 m and a margin."""
+    """Height over the floor from which on points are no obstacles: ceilings, lintels and lamps are
+    not in the way of an agent 0.88 m tall. (The paper's M_obs has no upper limit, with which every
+    doorway under a lintel would be closed.)"""
+
+    min_depth_m: float = Field(default=0.0, ge=0.0)
+    """Depths at or under it are ignored, metres."""
 
     max_depth_m: float = Field(default=5.0, gt=0.0)
-    """Depth at or beyond this is no return (PROTOCOL)."""
+    """Depths at or over it are ignored, metres: the range of the protocol's sensor."""
+
+    pixel_stride: int = Field(default=1, ge=1)
+    """Every how many rows and columns a pixel is used."""
 
     navigable_categories: tuple[str, ...] = ("stairs",)
-    """C_nav: classes whose points are navigable whatever their height."""
+    """C_nav: navigable at any height."""
+
+    standing_radius_m: float = Field(default=0.2, ge=0.0)
+    """The ground within this distance of the foot point, metres, is navigable: the agent, of radius
+    0.18 m, stands there, and its camera never sees it."""
 
     min_obstacle_voxels: int = Field(default=1, ge=1)
-    """Voxels of M_obs that make a cell an obstacle; more for noisy depth."""
+    """Voxels of M_obs over a cell that make it an obstacle; the paper's is 1."""
 
     min_frontier_cells: int = Field(default=4, ge=1)
-    """Smaller clusters of frontier cells are dropped."""
+    """Frontiers of fewer cells are dropped as noise (Yamauchi's minimum size)."""
 
     frontier_clearance_cells: int = Field(default=1, ge=0)
-    """Frontier cells keep this far from obstacles, cells."""
+    """No obstacle lies within this many cells of a frontier cell, diagonals included: with 0.1 m
+    cells and the default, a frontier keeps the agent's radius."""
 
-    standing_radius_m: float = Field(default=0.2, gt=0.0)
-    """The disc under the agent is navigable, since it stands there; the camera never sees it."""
+    floor_separation_m: float = Field(default=1.2, gt=0.0)
+    """A foot point farther than this from every known floor, metres, may stand on a new one."""
+
+    level_area_m2: float = Field(default=1.0, gt=0.0)
+    """Ground at foot height that a frame must show to found a new floor: more than a tread."""
 
     @model_validator(mode="after")
-    def _cells_hold_whole_voxels(self) -> MapConfig:
-        ratio = self.r_g / self.r_pcd
-        if abs(ratio - round(ratio)) > 1e-6 or round(ratio) < 1:
+    def _check(self) -> MapConfig:
+        if abs(self.r_g / self.r_pcd - self.voxels_per_cell) > 1e-6 or not self.voxels_per_cell:
             raise ValueError(f"r_g ({self.r_g}) must be a whole multiple of r_pcd ({self.r_pcd})")
+        if not self.delta < self.obstacle_top_m < self.floor_separation_m - self.delta:
+            raise ValueError(
+                "heights must satisfy delta < obstacle_top_m < floor_separation_m - delta"
+            )
         return self
 
-
-class _FloorLayer:
-    """What is kept for each floor: M_nav, M_obs and G."""
-
-    def __init__(self, floor_z: float, config: MapConfig) -> None:
-        self.floor_z = floor_z
-        self.navigable = VoxelCloud(config.r_pcd)
-        self.obstacles = VoxelCloud(config.r_pcd)
-        self.counts = OccupancyCounts(
-            config.r_g, round(config.r_g / config.r_pcd), config.min_obstacle_voxels
-        )
-        self._counted = [0, 0]
-
-    def count_new_voxels(self) -> bool:
-        """Bring G up to date; says whether it changed."""
-        new = []
-        for k, cloud in enumerate((self.navigable, self.obstacles)):
-            new.append(cloud.store.voxels[self._counted[k] : len(cloud)])
-            self._counted[k] = len(cloud)
-        return self.counts.add(*new)
+    @property
+    def voxels_per_cell(self) -> int:
+        """r_g / r_pcd."""
+        return round(self.r_g / self.r_pcd)
 
 
 class SemanticMap:
-    """Builds the map frame by frame and hands out views of it."""
+    """M_scene, M_obj, M_nav, M_obs and M_fro of Section III-C, grown frame by frame.
+
+    A frame costs what the frame holds, not what the map holds.
+    """
 
     def __init__(self, config: MapConfig | None = None) -> None:
-        """Start with an empty map."""
+        """Create an empty map."""
         self.config = config or MapConfig()
-        self._scene = VoxelCloud(self.config.r_pcd)
-        self._objects = VoxelCloud(self.config.r_pcd)
-        self._tags: dict[str, int] = {}
-        self._object_clouds: dict[str, PointCloud] = {}
-        self._floors = FloorTracker()
-        self._layers: list[_FloorLayer] = []
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        config = self.config
+        self._scene = VoxelCloud(config.r_pcd)
+        self._objects: dict[str, VoxelCloud] = {}
+        self._layers = FloorLayers(
+            self._scene, config.delta, config.obstacle_top_m, config.voxels_per_cell
+        )
+        self._floor: Floor | None = None
         self._view: MapView | None = None
-        self._grid: tuple[int, OccupancyGrid] | None = None
-        self._frontiers = (np.zeros((0, 3)), np.zeros(0, np.int64))
+
+    @property
+    def nbytes(self) -> int:
+        """Memory that the map holds, bytes."""
+        clouds = (self._scene, *self._objects.values())
+        return sum(cloud.nbytes for cloud in clouds) + self._layers.nbytes
 
     def integrate(self, observation: Observation, detections: Detections) -> FrameUpdate:
-        """Add one posed RGB-D image with its detections.
+        """Add one observation.
 
-        Where masks overlap, a pixel belongs to the detection of highest score.
+        Args:
+            observation: O_t.
+            detections: What a detector saw in its image; a pixel counts for every category that
+                has a mask over it, as the paper's M_obj are independent of each other.
+
+        Returns:
+            The floor points and the categories of this frame.
+
+        Raises:
+            ObservationError: The masks are not of the image's size, or the pose is out of reach.
         """
-        floor = self._floors.update(observation.world_from_base.translation)
-        while len(self._layers) <= floor:
-            self._layers.append(_FloorLayer(self._floors.heights[len(self._layers)], self.config))
-        layer = self._layers[floor]
-        self._insert_frame(observation, detections, layer)
-        self._scene.finish()
-        self._forget_changed_clouds(self._objects.finish())
-        seen = layer.navigable.at(layer.navigable.finish())
-        layer.obstacles.finish()
-        self._insert_standing_point(observation, seen, layer)
-        layer.navigable.finish()
-        if layer.count_new_voxels() or self._grid is None or self._grid[0] != floor:
-            self._update_grid(floor, layer)
+        config = self.config
         self._view = None
-        return FrameUpdate(seen.points, tuple(sorted(set(detections.labels))))
+        window = DepthWindow(config.min_depth_m, config.max_depth_m, config.pixel_stride)
+        frame = FrameScatter(observation, window)
+        frame.into(self._scene)
+        labels = self._add_objects(frame, observation, detections)
+        touched = self._scene.refresh()
+        floor = self._enter_floor(observation, touched)
+        self._layers.update(touched)
+        navigable = touched[self._layers.are_navigable(touched, floor)]
+        points = self._scene.arrays.points[navigable]
+        self._bridge(floor, observation.world_from_base.translation, points)
+        return FrameUpdate(points, labels)
 
     def view(self) -> MapView:
-        """The map on the agent's current floor; cheap, and valid until the next frame.
+        """The map on the agent's current floor.
 
-        Clouds are views of the map's storage: a later frame may refine their points.
+        `scene` and `objects` are views of the live storage: valid until the next `integrate`.
         """
         if self._view is None:
-            floor = self._floors.current
-            layer = self._layers[floor]
-            assert self._grid is not None
-            self._view = MapView(
-                scene=self._scene.cloud(),
-                objects=self._classes(),
-                navigable=layer.navigable.cloud(),
-                obstacles=layer.obstacles.cloud(),
-                frontiers=self._frontiers[0],
-                frontier_labels=self._frontiers[1],
-                grid=self._grid[1],
-                floor_z=layer.floor_z,
-                floor=floor,
-            )
+            self._view = self._make_view()
         return self._view
 
-    def _insert_frame(
-        self, observation: Observation, detections: Detections, layer: _FloorLayer
-    ) -> None:
-        """Run the fused pass, growing the clouds where they run out of room."""
-        config, camera = self.config, observation.intrinsics
-        clouds = (self._scene, self._objects, layer.navigable, layer.obstacles)
-        labels = self._label_image(observation.depth.shape, detections)
-        is_navigable = np.zeros(max(len(self._tags), 1), np.bool_)
-        for category in config.navigable_categories:
-            if category in self._tags:
-                is_navigable[self._tags[category]] = True
-        z = layer.floor_z
-        limits = (config.max_depth_m, z - config.delta, z + config.delta, z + config.obstacle_top_m)
-        done, total = 0, observation.depth.size
-        while True:
-            done = integrate_frame(
-                observation.depth,
-                observation.rgb,
-                labels,
-                (camera.fx, camera.fy, camera.cx, camera.cy),
-                np.ascontiguousarray(observation.world_from_camera.matrix[:3]),
-                limits,
-                is_navigable,
-                config.r_pcd,
-                self._scene.store,
-                self._objects.store,
-                layer.navigable.store,
-                layer.obstacles.store,
-                done,
+    def _add_objects(
+        self, frame: FrameScatter, observation: Observation, detections: Detections
+    ) -> tuple[str, ...]:
+        """M_obj^(c) of every detected category; returns those with at least one point."""
+        shape = observation.depth.shape
+        if detections.masks.shape[1:] != shape:
+            raise ObservationError(
+                f"masks must be of the image's size {shape}, not {detections.masks.shape[1:]}"
             )
-            if done >= total:
-                return
-            for cloud in clouds:
-                cloud.make_room()
+        seen = []
+        labels = np.array(detections.labels, dtype=np.str_)
+        for label in dict.fromkeys(detections.labels):
+            cloud = self._objects.get(label, VoxelCloud(self.config.r_pcd))
+            frame.into(cloud, detections.masks[labels == label].any(axis=0))
+            touched = cloud.refresh()
+            if not len(touched):
+                continue
+            seen.append(label)
+            self._objects[label] = cloud
+            if label in self.config.navigable_categories:
+                self._layers.mark_stairs(cloud.arrays.keys[touched])
+        return tuple(seen)
 
-    def _label_image(self, shape: tuple[int, ...], detections: Detections) -> NDArray[np.int16]:
-        """(H, W) tag of each pixel, the detection of highest score on top."""
-        labels = np.full(shape, NO_LABEL, np.int16)
-        for k in np.argsort(detections.scores, kind="stable"):
-            tag = self._tags.setdefault(detections.labels[k], len(self._tags))
-            if tag >= MAX_TAGS:
-                raise OverflowError(f"the map holds at most {MAX_TAGS} object classes")
-            labels[detections.masks[k]] = tag
-        return labels
+    def _enter_floor(self, observation: Observation, touched: NDArray[np.int32]) -> Floor:
+        """The floor that the agent is on: the nearest one, until it stands on another.
 
-    def _insert_standing_point(
-        self, observation: Observation, seen: PointCloud, layer: _FloorLayer
+        Away from all known floors (on stairs) the last floor stays, until a frame shows level
+        ground at the agent's feet: then it has arrived on a new one.
+        """
+        foot_z = float(observation.world_from_base.translation[2])
+        floors = self._layers.floors
+        nearest = min(floors, key=lambda floor: abs(floor.z - foot_z), default=None)
+        if nearest is not None and abs(nearest.z - foot_z) <= self.config.floor_separation_m:
+            self._floor = nearest
+        elif self._floor is None or self._sees_ground(foot_z, touched):
+            self._floor = self._new_floor(len(floors), foot_z)
+            self._layers.add_floor(self._floor)
+        return self._floor
+
+    def _sees_ground(self, foot_z: float, touched: NDArray[np.int32]) -> bool:
+        heights = self._scene.arrays.points[touched, 2]
+        ground = np.count_nonzero(np.abs(heights - foot_z) <= LEVEL_TOLERANCE_M)
+        return bool(ground * self.config.r_pcd**2 >= self.config.level_area_m2)
+
+    def _new_floor(self, index: int, z: float) -> Floor:
+        config = self.config
+        grid = FloorGrid(config.r_g, config.min_obstacle_voxels)
+        frontiers = FrontierMap(grid, config.frontier_clearance_cells, config.min_frontier_cells)
+        return Floor(index, z, grid, frontiers, VoxelCloud(config.r_pcd))
+
+    def _bridge(
+        self, floor: Floor, foot: NDArray[np.float64], targets: NDArray[np.float32]
     ) -> None:
-        """Interpolate from p_stand to this frame's floor points, and add the disc underfoot."""
+        """Make the ground under the agent, and between it and what it sees, navigable.
+
+        Voxels of observed floor are left alone: interpolation fills gaps, it moves no centroid.
+        """
         config = self.config
-        x, y, _ = (float(v) for v in observation.world_from_base.translation)
-        done = 0
-        while True:
-            done = interpolate_to(
-                layer.navigable.store,
-                (x, y, layer.floor_z),
-                seen.points,
-                seen.colors,
-                config.delta_step,
-                (layer.floor_z - config.delta, layer.floor_z + config.delta),
-                config.r_pcd,
-                done,
+        stand = np.array([foot[0], foot[1], floor.z])
+        under_foot = disc(foot, config.standing_radius_m, config.r_pcd)
+        between = interpolate(stand, targets, config.delta_step, config.delta, config.r_pcd)
+        points = np.concatenate([under_foot, between])
+        keys = pack_points(points, config.r_pcd)
+        known = len(floor.bridges)
+        floor.bridges.add(points[~self._layers.observed_navigable(keys, floor)])
+        floor.bridges.refresh()
+        new = floor.bridges.arrays.keys[known : len(floor.bridges)]
+        floor.grid.change(self._layers.columns(new), navigable=1, obstacles=0)
+
+    def _make_view(self) -> MapView:
+        scene = self._scene.cloud()
+        objects = {label: cloud.cloud() for label, cloud in self._objects.items()}
+        if self._floor is None:
+            nothing = VoxelCloud(self.config.r_pcd).cloud()
+            grid = FloorGrid(self.config.r_g, self.config.min_obstacle_voxels).snapshot()
+            return MapView(
+                scene=scene,
+                objects=MappingProxyType(objects),
+                navigable=nothing,
+                obstacles=nothing,
+                frontiers=np.empty((0, 3)),
+                frontier_labels=np.empty(0, np.int64),
+                grid=grid,
+                floor_z=0.0,
             )
-            if done >= len(seen):
-                break
-            layer.navigable.grow()
-        reach = np.arange(-config.standing_radius_m, config.standing_radius_m + 1e-9, config.r_pcd)
-        dx, dy = (offset.ravel() for offset in np.meshgrid(reach, reach, indexing="ij"))
-        inside = np.hypot(dx, dy) <= config.standing_radius_m
-        disc = np.column_stack([x + dx, y + dy, np.full(dx.shape, layer.floor_z)])[inside]
-        layer.navigable.add(disc)
-
-    def _forget_changed_clouds(self, touched: NDArray[np.int32]) -> None:
-        """Drop the cached clouds of the classes that this frame touched."""
-        changed = set(np.unique(self._objects.store.tags[touched]).tolist())
-        for category, tag in self._tags.items():
-            if tag in changed:
-                self._object_clouds.pop(category, None)
-
-    def _classes(self) -> Mapping[str, PointCloud]:
-        """M_obj^(c) of every class with a point, sorted by name."""
-        for category, tag in self._tags.items():
-            if category not in self._object_clouds:
-                self._object_clouds[category] = self._objects.tagged(tag)
-        return {
-            c: self._object_clouds[c] for c in sorted(self._tags) if len(self._object_clouds[c])
-        }
-
-    def _update_grid(self, floor: int, layer: _FloorLayer) -> None:
-        """Copy G and find its frontiers, re-projected to the floor's height."""
-        config = self.config
-        grid = layer.counts.grid()
-        cells, labels = frontier_cells(
-            grid, config.min_frontier_cells, config.frontier_clearance_cells
+        floor = self._floor
+        frontier_xy, frontier_labels = floor.frontiers.find()
+        frontier_z = np.full((len(frontier_xy), 1), floor.z)
+        return MapView(
+            scene=scene,
+            objects=MappingProxyType(objects),
+            navigable=self._navigable(floor, scene),
+            obstacles=_rows(scene, self._layers.obstacles(floor)),
+            frontiers=frozen(np.hstack([frontier_xy, frontier_z])),
+            frontier_labels=frozen(frontier_labels),
+            grid=floor.grid.snapshot(),
+            floor_z=floor.z,
+            floor=floor.index,
         )
-        xy = grid.center_of(cells)
-        points = np.column_stack([xy, np.full(len(xy), layer.floor_z)])
-        self._grid = (floor, grid)
-        self._frontiers = (points, labels)
+
+    def _navigable(self, floor: Floor, scene: PointCloud) -> PointCloud:
+        """M_nav: the observed voxels, then the bridges where nothing was observed."""
+        bridges = floor.bridges.cloud()
+        keys = floor.bridges.arrays.keys[: len(bridges)]
+        unseen = np.flatnonzero(~self._layers.observed_navigable(keys, floor))
+        observed, bridging = _rows(scene, self._layers.navigable(floor)), _rows(bridges, unseen)
+        return PointCloud(
+            frozen(np.concatenate([observed.points, bridging.points])),
+            frozen(np.concatenate([observed.colors, bridging.colors])),
+            frozen(np.concatenate([observed.counts, bridging.counts])),
+        )
+
+
+def _rows(cloud: PointCloud, rows: NDArray[np.int64]) -> PointCloud:
+    return PointCloud(
+        frozen(cloud.points[rows]), frozen(cloud.colors[rows]), frozen(cloud.counts[rows])
+    )

@@ -1,260 +1,315 @@
-"""Voxel-downsampled clouds that grow point by point: VoxelDownsample(M u new, r) of Sec. III-C.
+"""VoxelDownsample(M U new, r) of Section III-C, at the cost of the new points alone.
 
-A voxel keeps the sum and the number of all points that ever fell into it, so its point is the exact
-centroid whatever the order and batching of insertions. Storage is a hash table from voxel to slot;
-slots are handed out in the order of first observation and never move.
+A voxel keeps the sums of all points that ever fell into it, so its centroid is exact and an update
+touches only the voxels that the new points touch. Voxels are found through a hash table with open
+addressing: integer coordinates packed into one key, linear probing.
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numba import njit
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
+from toponav.errors import ObservationError
 from toponav.mapping.view import PointCloud
 
-INITIAL_CAPACITY = 1 << 13
-TABLE_LOAD = 4
-"""Table entries a slot: at most a quarter full, so probes stay short."""
+Scalar = TypeVar("Scalar", bound=np.generic)
 
-COORDINATE_BITS = 18
-"""Bits a voxel coordinate: 2^17 voxels of 5 cm each way are 6.5 km."""
-TAG_BITS = 9
-"""Bits of the tag (an object class) in a key."""
-MAX_TAGS = 1 << TAG_BITS
+AXIS_BITS = 21
+"""Bits of a packed key for each coordinate: three fit into 63."""
 
-_HALF = 1 << (COORDINATE_BITS - 1)
-_MULTIPLIER = np.uint64(0x9E3779B97F4A7C15)
-"""2^64 divided by the golden ratio: Fibonacci hashing."""
-_HASH_SHIFT = np.uint64(20)
+AXIS_OFFSET = 1 << (AXIS_BITS - 1)
+"""Added to a coordinate to make it non-negative: a map reaches 2^20 voxels from its origin."""
+
+AXIS_MASK = (1 << AXIS_BITS) - 1
+
+SETTLED_COUNT = 1 << 24
+"""A voxel that averages this many points takes no more: 2^24 * 255 is the last colour sum that
+32 bits hold, and by then one more point no longer moves the mean."""
+
+EMPTY = -1
+"""What an unused entry of the hash table holds instead of a slot."""
+
+GOLDEN = np.uint64(0x9E3779B97F4A7C15)
+"""2^64 / golden ratio, the multiplier of Fibonacci hashing."""
+
+INITIAL_CAPACITY = 1 << 12
+"""Voxels that a new cloud has room for."""
+
+ENTRIES_PER_VOXEL = 2
+"""Hash table entries per voxel of capacity: at most half full, so probes stay short."""
+
+VOXELS, TOUCHED = 0, 1
+"""Entries of `VoxelArrays.sizes`."""
 
 
-class VoxelStore(NamedTuple):
-    """The arrays of a cloud, as kernels take them; C is the capacity.
+class VoxelArrays(NamedTuple):
+    """The storage of a `VoxelCloud` as kernels see it; C is the capacity, T the table's size.
 
     Attributes:
-        keys: (TABLE_LOAD * C,) int64 voxel keys.
-        slots: (TABLE_LOAD * C,) int32 slot of the key, -1 where the entry is empty.
-        voxels: (C, 3) int32 voxel coordinates.
-        tags: (C,) int16.
-        sums: (C, 3) float64 summed offsets from the voxel's corner, metres.
-        color_sums: (C, 3) int64.
-        counts: (C,) int32.
-        stamps: (C,) int32 number of the batch that touched the slot last.
-        touched: (C,) int32 slots touched by the current batch.
-        header: [slots in use, slots touched, number of the current batch], int64.
+        table: (T,) int32 slot or EMPTY; T is a power of two.
+        keys: (C,) int64 packed key of each slot; slots are numbered by first observation.
+        offset_sums: (C, 3) float64 sums of the points' offsets from the voxel's lower corner.
+        color_sums: (C, 3) uint32.
+        counts: (C,) int32 points summed.
+        points: (C, 3) float32 centroids, up to date except for the touched slots.
+        colors: (C, 3) uint8 mean colours, likewise.
+        touched: (C,) int32 slots touched since the last refresh, in order.
+        is_touched: (C,) bool whether a slot is among them.
+        sizes: (2,) int64 numbers of VOXELS and of TOUCHED slots.
     """
 
+    table: NDArray[np.int32]
     keys: NDArray[np.int64]
-    slots: NDArray[np.int32]
-    voxels: NDArray[np.int32]
-    tags: NDArray[np.int16]
-    sums: NDArray[np.float64]
-    color_sums: NDArray[np.int64]
+    offset_sums: NDArray[np.float64]
+    color_sums: NDArray[np.uint32]
     counts: NDArray[np.int32]
-    stamps: NDArray[np.int32]
+    points: NDArray[np.float32]
+    colors: NDArray[np.uint8]
     touched: NDArray[np.int32]
-    header: NDArray[np.int64]
+    is_touched: NDArray[np.bool_]
+    sizes: NDArray[np.int64]
+
+
+PER_SLOT = tuple(name for name in VoxelArrays._fields if name not in ("table", "sizes"))
+"""The arrays of `VoxelArrays` that have an entry a slot."""
+
+
+class VoxelCloud:
+    """A point cloud downsampled to one centroid a voxel, grown point by point."""
+
+    def __init__(self, resolution: float) -> None:
+        """Create an empty cloud of voxels with edges of `resolution` metres (r_pcd)."""
+        self.resolution = resolution
+        self._arrays = _allocate(INITIAL_CAPACITY)
+
+    def __len__(self) -> int:
+        return int(self._arrays.sizes[VOXELS])
+
+    @property
+    def arrays(self) -> VoxelArrays:
+        """The storage, for kernels; `reserve` and growth replace it."""
+        return self._arrays
+
+    @property
+    def nbytes(self) -> int:
+        """Memory held, bytes."""
+        return sum(array.nbytes for array in self._arrays)
+
+    @property
+    def reach(self) -> float:
+        """Largest absolute coordinate that the cloud can hold, metres."""
+        return (AXIS_OFFSET - 1) * self.resolution
+
+    def reserve(self, voxels: int) -> None:
+        """Make room for that many further voxels; doubles the storage when it is too small."""
+        size, capacity = len(self), len(self._arrays.keys)
+        if size + voxels > capacity:
+            while size + voxels > capacity:
+                capacity *= 2
+            self._arrays = _grown(self._arrays, capacity)
+
+    def add(self, points: NDArray[np.floating], colors: NDArray[np.uint8] | None = None) -> None:
+        """Average points into their voxels.
+
+        Args:
+            points: (N, 3) world frame, metres.
+            colors: (N, 3); black when left out.
+
+        Raises:
+            ObservationError: A coordinate is not finite or out of reach.
+        """
+        xyz = np.ascontiguousarray(points, dtype=np.float64)
+        rgb = np.zeros(xyz.shape, np.uint8) if colors is None else np.ascontiguousarray(colors)
+        if len(xyz) and not np.abs(xyz).max() < self.reach:
+            raise ObservationError(
+                f"points must be finite and within {self.reach:.0f} m of the map's origin: "
+                "move the world frame's origin nearer"
+            )
+        start = 0
+        while start < len(xyz):
+            self.reserve(min(len(xyz) - start, INITIAL_CAPACITY))
+            start = _add_points(self._arrays, self.resolution, xyz, rgb, start)
+
+    def refresh(self) -> NDArray[np.int32]:
+        """Bring the centroids of the touched voxels up to date.
+
+        Returns:
+            Their slots, in the order in which they were touched, each once.
+        """
+        count = int(self._arrays.sizes[TOUCHED])
+        slots = self._arrays.touched[:count].copy()
+        _update_centroids(self._arrays, self.resolution)
+        return slots
+
+    def cloud(self) -> PointCloud:
+        """All centroids in order of first observation: read-only views of the live storage.
+
+        Adding further points may change them in place; copy what must not change.
+        """
+        self.refresh()
+        size, arrays = len(self), self._arrays
+        return PointCloud(
+            frozen(arrays.points[:size]),
+            frozen(arrays.colors[:size]),
+            frozen(arrays.counts[:size]),
+        )
+
+
+def frozen(array: NDArray[Scalar]) -> NDArray[Scalar]:
+    """A read-only view of an array."""
+    view = array.view()
+    view.setflags(write=False)
+    return view
+
+
+def pack_points(points: NDArray[np.float64], resolution: float) -> NDArray[np.int64]:
+    """(N,) keys of the voxels that (N, 3) points within reach fall into."""
+    x, y, z = (np.floor(points / resolution).astype(np.int64) + AXIS_OFFSET).T
+    keys: NDArray[np.int64] = (x << (2 * AXIS_BITS)) | (y << AXIS_BITS) | z
+    return keys
+
+
+def unpack_keys(keys: NDArray[np.int64]) -> NDArray[np.int64]:
+    """(N, 3) integer voxel coordinates of (N,) keys."""
+    shifts = np.array([2 * AXIS_BITS, AXIS_BITS, 0])
+    coordinates: NDArray[np.int64] = ((keys[:, None] >> shifts) & AXIS_MASK) - AXIS_OFFSET
+    return coordinates
+
+
+def _allocate(capacity: int) -> VoxelArrays:
+    """Empty storage for `capacity` voxels, a power of two."""
+    return VoxelArrays(
+        table=np.full(ENTRIES_PER_VOXEL * capacity, EMPTY, np.int32),
+        keys=np.zeros(capacity, np.int64),
+        offset_sums=np.zeros((capacity, 3), np.float64),
+        color_sums=np.zeros((capacity, 3), np.uint32),
+        counts=np.zeros(capacity, np.int32),
+        points=np.zeros((capacity, 3), np.float32),
+        colors=np.zeros((capacity, 3), np.uint8),
+        touched=np.zeros(capacity, np.int32),
+        is_touched=np.zeros(capacity, np.bool_),
+        sizes=np.zeros(2, np.int64),
+    )
+
+
+def _grown(old: VoxelArrays, capacity: int) -> VoxelArrays:
+    """A copy of the storage with a larger capacity."""
+    new = _allocate(capacity)
+    size = int(old.sizes[VOXELS])
+    for name in PER_SLOT:
+        getattr(new, name)[:size] = getattr(old, name)[:size]
+    new.sizes[:] = old.sizes
+    _rehash(new)
+    return new
 
 
 @njit(cache=True)
-def _entry(store: VoxelStore, key: int) -> int:
-    """Table entry of a key, or the empty one where it belongs."""
-    mask = len(store.keys) - 1
-    index = np.int64((np.uint64(key) * _MULTIPLIER) >> _HASH_SHIFT) & mask
-    while store.slots[index] >= 0 and store.keys[index] != key:
-        index = (index + 1) & mask
-    return int(index)
+def pack_key(ix: int, iy: int, iz: int) -> int:
+    """The key of voxel (ix, iy, iz)."""
+    return (
+        ((ix + AXIS_OFFSET) << (2 * AXIS_BITS))
+        | ((iy + AXIS_OFFSET) << AXIS_BITS)
+        | (iz + AXIS_OFFSET)
+    )
 
 
 @njit(cache=True)
-def find_slot(store: VoxelStore, ix: int, iy: int, iz: int, tag: int) -> int:
-    """Slot of a voxel, a new one if it has none; the caller has made sure that there is room."""
-    key = (
-        ((((ix + _HALF) << COORDINATE_BITS) | (iy + _HALF)) << COORDINATE_BITS) | (iz + _HALF)
-    ) << TAG_BITS | tag
-    index = _entry(store, key)
-    slot = store.slots[index]
-    if slot < 0:
-        slot = store.header[0]
-        store.header[0] += 1
-        store.keys[index] = key
-        store.slots[index] = slot
-        store.voxels[slot, 0] = ix
-        store.voxels[slot, 1] = iy
-        store.voxels[slot, 2] = iz
-        store.tags[slot] = tag
-    return int(slot)
+def _entry_of(table: NDArray[np.int32], keys: NDArray[np.int64], key: int) -> int:
+    """The table entry that holds `key`, or the empty one where it belongs.
+
+    Two rounds of Fibonacci hashing (Knuth, TAOCP vol. 3, 6.4): after one, ix, which lies in the
+    key's top bits, would hardly reach the bits that choose the entry.
+    """
+    mixed = np.uint64(key) * GOLDEN
+    mixed = (mixed ^ (mixed >> np.uint64(32))) * GOLDEN
+    mask = table.size - 1
+    entry = int(np.int64(mixed >> np.uint64(32))) & mask
+    while table[entry] != EMPTY and keys[table[entry]] != key:
+        entry = (entry + 1) & mask
+    return entry
 
 
 @njit(cache=True)
-def insert_point(
-    store: VoxelStore,
-    point: tuple[float, float, float],
-    color: tuple[int, int, int],
-    tag: int,
-    resolution: float,
+def find_slot(table: NDArray[np.int32], keys: NDArray[np.int64], key: int) -> int:
+    """The slot of a voxel, or EMPTY."""
+    return int(table[_entry_of(table, keys, key)])
+
+
+@njit(cache=True)
+def claim_slot(
+    table: NDArray[np.int32],
+    keys: NDArray[np.int64],
+    touched: NDArray[np.int32],
+    is_touched: NDArray[np.bool_],
+    sizes: NDArray[np.int64],
+    key: int,
 ) -> int:
-    """Add one point to its voxel and mark the voxel as touched; returns the slot."""
-    x, y, z = point
-    ix = int(np.floor(x / resolution))
-    iy = int(np.floor(y / resolution))
-    iz = int(np.floor(z / resolution))
-    slot = find_slot(store, ix, iy, iz, tag)
-    store.sums[slot, 0] += x - ix * resolution
-    store.sums[slot, 1] += y - iy * resolution
-    store.sums[slot, 2] += z - iz * resolution
-    store.color_sums[slot, 0] += color[0]
-    store.color_sums[slot, 1] += color[1]
-    store.color_sums[slot, 2] += color[2]
-    store.counts[slot] += 1
-    if store.stamps[slot] != store.header[2]:
-        store.stamps[slot] = store.header[2]
-        store.touched[store.header[1]] = slot
-        store.header[1] += 1
+    """The slot of a voxel, made if it is new, and marked as touched. There must be room.
+
+    Takes the arrays one by one: passing the tuple costs a kernel's inner loop a third of its time.
+    """
+    entry = _entry_of(table, keys, key)
+    slot = int(table[entry])
+    if slot == EMPTY:
+        slot = int(sizes[VOXELS])
+        sizes[VOXELS] += 1
+        table[entry] = slot
+        keys[slot] = key
+    if not is_touched[slot]:
+        is_touched[slot] = True
+        touched[sizes[TOUCHED]] = slot
+        sizes[TOUCHED] += 1
     return slot
 
 
 @njit(cache=True)
-def _insert_points(
-    store: VoxelStore,
+def _rehash(arrays: VoxelArrays) -> None:
+    for slot in range(arrays.sizes[VOXELS]):
+        arrays.table[_entry_of(arrays.table, arrays.keys, arrays.keys[slot])] = slot
+
+
+@njit(cache=True)
+def _add_points(
+    arrays: VoxelArrays,
+    resolution: float,
     points: NDArray[np.float64],
     colors: NDArray[np.uint8],
-    tag: int,
-    resolution: float,
     start: int,
 ) -> int:
-    """Insert points from `start` on; returns where it stopped for lack of room."""
-    for i in range(start, len(points)):
-        if store.header[0] >= len(store.counts):
-            return i
-        point = (points[i, 0], points[i, 1], points[i, 2])
-        color = (int(colors[i, 0]), int(colors[i, 1]), int(colors[i, 2]))
-        insert_point(store, point, color, tag, resolution)
-    return len(points)
+    """Add points from `start` on while there is room; returns the first that was not added."""
+    table, keys, offset_sums, color_sums, counts, _, _, touched, is_touched, sizes = arrays
+    stop = int(min(points.shape[0], start + keys.size - sizes[VOXELS]))
+    for index in range(start, stop):
+        x, y, z = points[index, 0], points[index, 1], points[index, 2]
+        ix = int(np.floor(x / resolution))
+        iy = int(np.floor(y / resolution))
+        iz = int(np.floor(z / resolution))
+        slot = claim_slot(table, keys, touched, is_touched, sizes, pack_key(ix, iy, iz))
+        if counts[slot] < SETTLED_COUNT:
+            counts[slot] += 1
+            offset_sums[slot, 0] += x - ix * resolution
+            offset_sums[slot, 1] += y - iy * resolution
+            offset_sums[slot, 2] += z - iz * resolution
+            for channel in range(3):
+                color_sums[slot, channel] += colors[index, channel]
+    return stop
 
 
 @njit(cache=True)
-def _average_touched(
-    store: VoxelStore, points: NDArray[np.float32], colors: NDArray[np.uint8], resolution: float
-) -> None:
-    """Refresh the centroids and mean colours of the touched slots."""
-    for k in range(store.header[1]):
-        slot = store.touched[k]
-        n = store.counts[slot]
+def _update_centroids(arrays: VoxelArrays, resolution: float) -> None:
+    """Recompute the touched slots' centroids and colours, and clear the list."""
+    for position in range(arrays.sizes[TOUCHED]):
+        slot = arrays.touched[position]
+        key, count = arrays.keys[slot], int(arrays.counts[slot])
         for axis in range(3):
-            corner = store.voxels[slot, axis] * resolution
-            points[slot, axis] = corner + store.sums[slot, axis] / n
-            colors[slot, axis] = (store.color_sums[slot, axis] + n // 2) // n
-
-
-@njit(cache=True)
-def _rehash(old: VoxelStore, new: VoxelStore) -> None:
-    """Enter all of the old table's keys into the new one."""
-    for k in range(len(old.keys)):
-        if old.slots[k] >= 0:
-            index = _entry(new, old.keys[k])
-            new.keys[index] = old.keys[k]
-            new.slots[index] = old.slots[k]
-
-
-def _allocate(capacity: int) -> VoxelStore:
-    return VoxelStore(
-        keys=np.zeros(TABLE_LOAD * capacity, np.int64),
-        slots=np.full(TABLE_LOAD * capacity, -1, np.int32),
-        voxels=np.zeros((capacity, 3), np.int32),
-        tags=np.zeros(capacity, np.int16),
-        sums=np.zeros((capacity, 3), np.float64),
-        color_sums=np.zeros((capacity, 3), np.int64),
-        counts=np.zeros(capacity, np.int32),
-        stamps=np.zeros(capacity, np.int32),
-        touched=np.zeros(capacity, np.int32),
-        header=np.array([0, 0, 1], np.int64),
-    )
-
-
-class VoxelCloud:
-    """A growing, voxel-downsampled, coloured cloud whose points may carry a tag.
-
-    Points with different tags never share a voxel, so that one cloud holds all object classes.
-    A batch is: any number of insertions, then `finish`, which refreshes the points.
-    """
-
-    def __init__(self, resolution: float) -> None:
-        """Start empty; `resolution` is r_pcd in metres."""
-        self.resolution = resolution
-        self.store = _allocate(INITIAL_CAPACITY)
-        self._points = np.zeros((INITIAL_CAPACITY, 3), np.float32)
-        self._colors = np.zeros((INITIAL_CAPACITY, 3), np.uint8)
-
-    def __len__(self) -> int:
-        return int(self.store.header[0])
-
-    def add(self, points: ArrayLike, colors: ArrayLike | None = None, tag: int = 0) -> None:
-        """Insert (N, 3) points in metres with (N, 3) uint8 colours, black by default."""
-        xyz = np.ascontiguousarray(points, dtype=np.float64).reshape(-1, 3)
-        rgb = np.zeros(xyz.shape, np.uint8) if colors is None else np.asarray(colors, np.uint8)
-        done = 0
-        while (done := _insert_points(self.store, xyz, rgb, tag, self.resolution, done)) < len(xyz):
-            self.grow()
-        self.finish()
-
-    def make_room(self) -> None:
-        """Grow if there is no room for one more voxel."""
-        if len(self) >= len(self.store.counts):
-            self.grow()
-
-    def grow(self) -> None:
-        """Double the capacity; slots keep their numbers."""
-        old, size = self.store, len(self)
-        capacity = 2 * len(old.counts)
-        new = _allocate(capacity)
-        for name in ("voxels", "tags", "sums", "color_sums", "counts", "stamps", "touched"):
-            source = getattr(old, name)
-            getattr(new, name)[: len(source)] = source
-        new.header[:] = old.header
-        _rehash(old, new)
-        self.store = new
-        points, colors = np.zeros((capacity, 3), np.float32), np.zeros((capacity, 3), np.uint8)
-        points[:size], colors[:size] = self._points[:size], self._colors[:size]
-        self._points, self._colors = points, colors
-
-    def finish(self) -> NDArray[np.int32]:
-        """End a batch of insertions; returns the touched slots, in the order of first touch."""
-        _average_touched(self.store, self._points, self._colors, self.resolution)
-        touched = self.store.touched[: self.store.header[1]].copy()
-        self.store.header[1] = 0
-        self.store.header[2] += 1
-        return touched
-
-    def at(self, slots: NDArray[np.integer]) -> PointCloud:
-        """The points of some slots, copied."""
-        return PointCloud(
-            _read_only(self._points[slots]),
-            _read_only(self._colors[slots]),
-            _read_only(self.store.counts[slots]),
-        )
-
-    def cloud(self) -> PointCloud:
-        """All points, as read-only views of the storage."""
-        n = len(self)
-        return PointCloud(
-            _read_only(self._points[:n]),
-            _read_only(self._colors[:n]),
-            _read_only(self.store.counts[:n]),
-        )
-
-    def tagged(self, tag: int) -> PointCloud:
-        """The points of one tag, copied."""
-        return self.at(np.flatnonzero(self.store.tags[: len(self)] == tag))
-
-
-ArrayT = TypeVar("ArrayT", bound=NDArray[Any])
-
-
-def _read_only(array: ArrayT) -> ArrayT:
-    view = array.view()
-    view.setflags(write=False)
-    return view
+            index = ((key >> (AXIS_BITS * (2 - axis))) & AXIS_MASK) - AXIS_OFFSET
+            offset = arrays.offset_sums[slot, axis] / count
+            arrays.points[slot, axis] = index * resolution + offset
+            color_sum = int(arrays.color_sums[slot, axis])
+            arrays.colors[slot, axis] = (2 * color_sum + count) // (2 * count)
+        arrays.is_touched[slot] = False
+    arrays.sizes[TOUCHED] = 0

@@ -1,0 +1,148 @@
+"""From depth pixels to voxels in one pass: eq. (1), eq. (2) and the sums of VoxelDownsample.
+
+Neighbouring pixels mostly fall into the same voxel, so a row is summed run by run and each run
+costs one look-up; no array of points is ever made.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from toponav.errors import ObservationError
+from toponav.mapping.voxels import (
+    EMPTY,
+    SETTLED_COUNT,
+    VOXELS,
+    VoxelArrays,
+    VoxelCloud,
+    claim_slot,
+    pack_key,
+)
+from toponav.types import Observation
+
+BORDER = 1e-6
+"""Points nearer than this share of an edge to their voxel's border are located by division anew:
+there, rounding decides, and it must decide as `floor(x / r)` does."""
+
+
+class DepthWindow(NamedTuple):
+    """Which pixels count.
+
+    Attributes:
+        min_depth: Depths at or under it are no returns, metres.
+        max_depth: Depths at or over it are no returns, metres.
+        stride: Every how many rows and columns a pixel is used.
+    """
+
+    min_depth: float
+    max_depth: float
+    stride: int
+
+
+class _Frame(NamedTuple):
+    """An observation as the kernel sees it."""
+
+    depth: NDArray[np.float32]
+    rgb: NDArray[np.uint8]
+    ray_x: NDArray[np.float64]
+    ray_y: NDArray[np.float64]
+    rotation: NDArray[np.float64]
+    translation: NDArray[np.float64]
+
+
+class FrameScatter:
+    """Adds the pixels of one observation to voxel clouds."""
+
+    def __init__(self, observation: Observation, window: DepthWindow) -> None:
+        """Prepare an observation; its pixels outside `window` are ignored."""
+        camera = observation.intrinsics
+        self._window = window
+        self._frame = _Frame(
+            depth=np.ascontiguousarray(observation.depth),
+            rgb=np.ascontiguousarray(observation.rgb),
+            ray_x=(np.arange(camera.width, dtype=np.float64) - camera.cx) / camera.fx,
+            ray_y=(np.arange(camera.height, dtype=np.float64) - camera.cy) / camera.fy,
+            rotation=np.ascontiguousarray(observation.world_from_camera.rotation),
+            translation=np.ascontiguousarray(observation.world_from_camera.translation),
+        )
+
+    def into(self, cloud: VoxelCloud, mask: NDArray[np.bool_] | None = None) -> None:
+        """Add the frame's points, or those under a (H, W) mask, to a cloud.
+
+        Raises:
+            ObservationError: The camera is too far from the map's origin.
+        """
+        frame, window = self._frame, self._window
+        farthest_ray = np.linalg.norm([np.abs(frame.ray_x).max(), np.abs(frame.ray_y).max(), 1.0])
+        farthest = np.abs(frame.translation).max() + farthest_ray * window.max_depth
+        if not farthest < cloud.reach:
+            raise ObservationError(
+                f"the camera must stay within {cloud.reach:.0f} m of the map's origin: "
+                "move the world frame's origin nearer"
+            )
+        if mask is None:
+            mask = np.ones(frame.depth.shape, np.bool_)
+            top, bottom = 0, len(mask)
+        else:
+            rows = np.flatnonzero(mask.any(axis=1))
+            top, bottom = (int(rows[0]), int(rows[-1]) + 1) if len(rows) else (0, 0)
+        row = -(-top // window.stride) * window.stride
+        while row < bottom:
+            cloud.reserve(frame.depth.shape[1])  # a row makes at most one voxel a pixel
+            row = _scatter_rows(frame, window, mask, (row, bottom), cloud.arrays, cloud.resolution)
+
+
+@njit(cache=True)
+def _scatter_rows(
+    frame: _Frame,
+    window: DepthWindow,
+    mask: NDArray[np.bool_],
+    rows: tuple[int, int],
+    arrays: VoxelArrays,
+    resolution: float,
+) -> int:
+    """Add rows [first, last) while there is room for a whole row; returns the next row."""
+    depth, rgb, ray_x, ray_y, R, t = frame
+    table, keys, offset_sums, color_sums, counts, _, _, touched, is_touched, sizes = arrays
+    width = depth.shape[1]
+    v, last = rows
+    inside = BORDER * resolution
+    while v < last and sizes[VOXELS] + width <= keys.size:
+        # Eq. (1) in eq. (2): x_w = d (R [ray_x, ray_y, 1]^T) + t. The row's share of the bracket:
+        row_x = R[0, 1] * ray_y[v] + R[0, 2]
+        row_y = R[1, 1] * ray_y[v] + R[1, 2]
+        row_z = R[2, 1] * ray_y[v] + R[2, 2]
+        slot = EMPTY
+        low_x, low_y, low_z = 0.0, 0.0, 0.0
+        for u in range(0, width, window.stride):
+            d = float(depth[v, u])
+            if not mask[v, u] or d <= window.min_depth or d >= window.max_depth:
+                continue
+            x = d * (R[0, 0] * ray_x[u] + row_x) + t[0]
+            y = d * (R[1, 0] * ray_x[u] + row_y) + t[1]
+            z = d * (R[2, 0] * ray_x[u] + row_z) + t[2]
+            same_voxel = (
+                inside <= x - low_x < resolution - inside
+                and inside <= y - low_y < resolution - inside
+                and inside <= z - low_z < resolution - inside
+            )
+            if slot == EMPTY or not same_voxel:
+                ix = int(np.floor(x / resolution))
+                iy = int(np.floor(y / resolution))
+                iz = int(np.floor(z / resolution))
+                slot = claim_slot(table, keys, touched, is_touched, sizes, pack_key(ix, iy, iz))
+                low_x, low_y, low_z = ix * resolution, iy * resolution, iz * resolution
+            if counts[slot] < SETTLED_COUNT:
+                counts[slot] += 1
+                offset_sums[slot, 0] += x - low_x
+                offset_sums[slot, 1] += y - low_y
+                offset_sums[slot, 2] += z - low_z
+                color_sums[slot, 0] += rgb[v, u, 0]
+                color_sums[slot, 1] += rgb[v, u, 1]
+                color_sums[slot, 2] += rgb[v, u, 2]
+        v += window.stride
+    return v
