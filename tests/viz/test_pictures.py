@@ -13,7 +13,7 @@ from toponav.memory.graph import TopologicalMemory
 from toponav.reasoning.base import PanoramaView, SeenObject
 from toponav.reasoning.schema import Guidance
 from toponav.viz.panorama import CAPTION_HEIGHT, CHOSEN, VIEW_WIDTH, draw_panorama, save_panorama
-from toponav.viz.topdown import TopDownPicture, draw_topdown, points_of, save_topdown
+from toponav.viz.topdown import TopDownPicture, draw_topdown, save_topdown
 
 
 def cloud(points: list[list[float]]) -> PointCloud:
@@ -57,14 +57,14 @@ def texts(picture: TopDownPicture) -> set[str]:
 def test_the_top_down_picture_names_nodes_rooms_and_frontiers(
     map_view: MapView, memory: TopologicalMemory
 ) -> None:
-    path = points_of([[1.0, 1.0, 0.0], [2.5, 1.5, 0.0]])
+    path = np.array([[1.0, 1.0, 0.0], [2.5, 1.5, 0.0]])
     shown = texts(TopDownPicture(map_view, path, memory, target="bed", title="a title"))
     assert {"1", "2", "living room f=3", "a title"} <= shown
 
 
 def test_nodes_of_another_floor_are_left_out(map_view: MapView, memory: TopologicalMemory) -> None:
     upstairs = memory.add_node((1.5, 1.5), 1)
-    assert str(upstairs.id) not in texts(TopDownPicture(map_view, points_of([]), memory))
+    assert str(upstairs.id) not in texts(TopDownPicture(map_view, np.zeros((0, 3)), memory))
 
 
 @pytest.mark.parametrize("suffix", [".png", ".svg", ".pdf"])
@@ -72,7 +72,7 @@ def test_a_picture_of_an_empty_search_is_written_whole(
     map_view: MapView, tmp_path: Path, suffix: str
 ) -> None:
     path = tmp_path / f"map{suffix}"
-    save_topdown(TopDownPicture(map_view, points_of([])), path)
+    save_topdown(TopDownPicture(map_view, np.zeros((0, 3))), path)
     assert [item.name for item in tmp_path.iterdir()] == [path.name]
     assert path.stat().st_size > 1000
 

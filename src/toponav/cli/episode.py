@@ -26,7 +26,7 @@ from toponav.policy.decision import Decision
 from toponav.scenes.mesh import Scene
 from toponav.types import Action, Observation
 from toponav.viz.panorama import save_panorama
-from toponav.viz.topdown import TopDownPicture, points_of, save_topdown
+from toponav.viz.topdown import TopDownPicture, save_topdown
 
 
 def resolve_config(options: AgentOptions) -> RunConfig:
@@ -128,7 +128,7 @@ def run_one(
     if narrator.map_view is not None:
         picture = TopDownPicture(
             map_view=narrator.map_view,
-            trajectory=points_of(narrator.positions),
+            trajectory=np.array(narrator.positions),
             memory=narrator.memory,
             target=result.target,
             title=result_line(result),

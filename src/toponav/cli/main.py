@@ -37,7 +37,7 @@ INTERRUPTED = 130
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns its exit code. Usage errors of the parser exit with 2."""
     command = tyro.cli(
-        Command,  # type: ignore[arg-type]  # a union of subcommands, as tyro documents
+        Command,
         prog="toponav",
         description="Find an object named by a category in a building never seen before.",
         args=arguments,

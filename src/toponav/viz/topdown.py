@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -181,8 +180,3 @@ def _draw_memory(axes: Axes, memory: TopologicalMemory, floor: int) -> None:
             label, node.position, xytext=(8, 6), textcoords="offset points", fontsize=7,
             bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.75},
         )  # fmt: skip
-
-
-def points_of(positions: Sequence[Sequence[float]]) -> NDArray[np.float64]:
-    """(T, 3) array of a possibly empty trajectory."""
-    return np.asarray(positions, dtype=np.float64).reshape(-1, 3)

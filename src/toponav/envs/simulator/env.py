@@ -81,7 +81,7 @@ class HouseEnvConfig(ConfigModel):
     """Sensor and actuation noise; none by default."""
 
 
-class HouseEnv(gymnasium.Env[dict[str, Any], int]):
+class HouseEnv(gymnasium.Env[dict[str, Any], Any]):
     """ObjectNav in one scene: Dict observations of posed RGB-D images, `Discrete(6)` actions.
 
     `terminated` means that the agent stopped, `truncated` that the step limit was reached. The
@@ -170,7 +170,7 @@ class HouseEnv(gymnasium.Env[dict[str, Any], int]):
         self._sense()
         return self._as_dict(), reward, terminated, truncated, {}
 
-    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]  # one mode
+    def render(self) -> NDArray[np.uint8] | None:
         """The last image, in mode `rgb_array`."""
         return self.observe().rgb if self.render_mode == "rgb_array" else None
 
