@@ -72,16 +72,6 @@ def _outline(mask: CellMask) -> Polygon:
     return shape
 
 
-def largest_piece(mask: CellMask) -> CellMask:
-    """The largest 4-connected piece of a mask; of equal ones the first in scan order."""
-    labels, count = ndimage.label(mask)
-    if count <= 1:
-        return mask.copy()
-    sizes = np.bincount(labels.ravel())[1:]
-    piece: CellMask = labels == 1 + int(np.argmax(sizes))
-    return piece
-
-
 def window_sums(mask: CellMask, length: int, width: int) -> NDArray[np.int64]:
     """(nx - length + 1, ny - width + 1) set cells in each window, from a summed-area table."""
     sums = np.pad(mask.astype(np.int64).cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
@@ -94,10 +84,29 @@ def window_sums(mask: CellMask, length: int, width: int) -> NDArray[np.int64]:
     return counts
 
 
-def walkable(mask: CellMask, width_cells: int) -> CellMask:
-    """The cells that some `width_cells`-wide square inside the mask covers (a binary opening)."""
-    opened: CellMask = ndimage.binary_opening(mask, np.ones((width_cells, width_cells), np.bool_))
-    return opened
+def square_positions(mask: CellMask, width: int) -> tuple[NDArray[np.int32], int]:
+    """Where a square of that width fits into a mask, and which places a moving square can reach.
+
+    Returns:
+        (nx, ny) labels of the squares' middle cells, 0 where none fits; the highest label.
+    """
+    before = width // 2
+    fits = np.pad(window_sums(~mask, width, width) == 0, (before, width - 1 - before))
+    labels, count = ndimage.label(fits, np.ones((3, 3)))
+    return labels, int(count)
+
+
+def widest_piece(mask: CellMask, width: int) -> CellMask:
+    """What a square of that width sweeps on its way through the mask, in the largest piece of it.
+
+    Of pieces equally large, the first in scan order.
+    """
+    labels, count = square_positions(mask, width)
+    square = np.ones((width, width), np.bool_)
+    pieces = [ndimage.binary_dilation(labels == n, square) for n in range(1, count + 1)]
+    if not pieces:
+        return np.zeros_like(mask)
+    return max(pieces, key=lambda piece: int(piece.sum()))
 
 
 def simple_room(mask: CellMask, others: CellMask, width_cells: int) -> CellMask:
@@ -111,7 +120,7 @@ def simple_room(mask: CellMask, others: CellMask, width_cells: int) -> CellMask:
         others: (nx, ny) cells of other rooms.
         width_cells: No part of the result is narrower.
     """
-    piece = _without_pinches(largest_piece(walkable(mask, width_cells)), width_cells)
+    piece = _without_pinches(widest_piece(mask, width_cells), width_cells)
     while True:
         holes = ndimage.binary_fill_holes(piece) & ~piece
         labels, count = ndimage.label(holes, np.ones((3, 3)))
@@ -122,9 +131,8 @@ def simple_room(mask: CellMask, others: CellMask, width_cells: int) -> CellMask:
                 piece |= hole
         if not occupied:
             return piece
-        piece = _without_pinches(
-            largest_piece(walkable(_cut_open(piece, occupied[0]), width_cells)), width_cells
-        )
+        piece = widest_piece(_cut_open(piece, occupied[0]), width_cells)
+        piece = _without_pinches(piece, width_cells)
 
 
 def _without_pinches(piece: CellMask, width_cells: int) -> CellMask:
@@ -140,7 +148,7 @@ def _without_pinches(piece: CellMask, width_cells: int) -> CellMask:
             for dj in (0, 1):
                 target = cleared[di : di + pinches.shape[0], dj : dj + pinches.shape[1]]
                 target &= ~pinches
-        piece = largest_piece(walkable(cleared, width_cells))
+        piece = widest_piece(cleared, width_cells)
 
 
 def _cut_open(piece: CellMask, hole: CellMask) -> CellMask:

@@ -223,7 +223,7 @@ class HomePlanner:
         if flight is None:
             return False
         lower.occupy(foot, flight.cells, flight.foot)
-        upper.occupy(head, flight.hole, flight.head)
+        upper.occupy(head, flight.cells, flight.head)
         self.plan.flights.append((index, flight))
         self._graph.add_edge(foot, head)
         return True

@@ -97,8 +97,7 @@ class PassageBuilder:
         cells = corridor(self.grid, a, b, self._free())
         if cells is None or cells.sum() > MAX_CORRIDOR_CELLS:
             return False
-        self._build(a, b, cells)
-        return True
+        return self._build(a, b, cells)
 
     def _connect_far(self, a: int, b: int, detours: int) -> None:
         """Lead through a room in between; a long corridor is the last resort."""
@@ -130,23 +129,46 @@ class PassageBuilder:
         owners = owners[owners != FREE]
         return int(np.bincount(owners).argmax()) if owners.size else None
 
-    def _build(self, a: int, b: int, cells: CellMask) -> None:
-        """Turn corridor cells into part of a room, or into a hallway."""
-        if cells.sum() <= MAX_MERGED_CELLS:
-            # A hallway takes the gap if there is one, else the larger room does.
-            order = sorted((a, b), key=lambda key: (not self._is_hallway(key), -self._size(key)))
-            for key in order:
-                merged = self.grid.mask(key) | cells
-                others = (self.grid.owner != FREE) & ~merged
-                if np.array_equal(simple_room(merged, others, NARROWEST_CELLS), merged):
-                    self.grid.owner[cells] = key
-                    self._join(a, b)
-                    return
-        key, self._next_key = self._next_key, self._next_key + 1
+    def _build(self, a: int, b: int, cells: CellMask) -> bool:
+        """Turn corridor cells into part of a room, or into a hallway, if that is walkable."""
+        # A hallway takes a small gap if there is one, else the larger room does.
+        order = sorted((a, b), key=lambda key: (not self._is_hallway(key), -self._size(key)))
+        is_gap = int(cells.sum()) <= MAX_MERGED_CELLS
+        if not is_gap and self._add_hallway(cells, a, b):
+            return True
+        if any(self._extend(key, cells, a, b) for key in order):
+            return True
+        return is_gap and self._add_hallway(cells, a, b)
+
+    def _extend(self, key: int, cells: CellMask, a: int, b: int) -> bool:
+        """Give the cells to one of the two rooms."""
+        before = self.grid.owner.copy()
+        merged = self.grid.mask(key) | cells
+        if self._is_simple(merged):
+            self.grid.owner[cells] = key
+            if self._connect_adjacent(a, b):
+                return True
+        self.grid.owner[:] = before
+        return False
+
+    def _add_hallway(self, cells: CellMask, a: int, b: int) -> bool:
+        """Make the cells a room between the two."""
+        key = self._next_key
+        if not self._is_simple(cells):
+            return False
         self.grid.owner[cells] = key
+        if any(longest_shared_wall(self.grid, key, room) is None for room in (a, b)):
+            self.grid.owner[cells] = FREE
+            return False
+        self._next_key += 1
         self.labels[key] = HALLWAY
         self._join(a, key)
         self._join(key, b)
+        return True
+
+    def _is_simple(self, cells: CellMask) -> bool:
+        others = (self.grid.owner != FREE) & ~cells
+        return np.array_equal(simple_room(cells, others, NARROWEST_CELLS), cells)
 
     def _join(self, a: int, b: int) -> None:
         self._joined[min(a, b), max(a, b)] = None

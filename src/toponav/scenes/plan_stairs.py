@@ -9,21 +9,22 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from toponav.scenes.house import Point2
-from toponav.scenes.plan_grid import CELL_M, FREE, CellMask, PlanGrid, simple_room, window_sums
+from toponav.scenes.plan_grid import (
+    CELL_M,
+    FREE,
+    CellMask,
+    PlanGrid,
+    simple_room,
+    square_positions,
+    window_sums,
+)
 from toponav.scenes.plan_rooms import NARROWEST_CELLS
 from toponav.scenes.plan_routes import SharedWall
-
-_Scalar = TypeVar("_Scalar", bound=np.generic)
-
-HEADROOM_M = 2.4
-"""The upper floor is open where the flight comes nearer to it than this, slab included."""
 
 PASSAGE_CELLS = 5
 """What is left of a room beside a flight must be this wide to lead anywhere."""
@@ -34,7 +35,7 @@ DOOR_CLEARANCE_CELLS = 6
 OPEN_SIDE_COST = 0.2
 """Per cell along a flight's sides that is not a wall: flights run along walls."""
 
-_MAX_CANDIDATES = 400
+_MAX_CANDIDATES = 200
 """Places that are examined closely, the best first."""
 
 
@@ -56,10 +57,6 @@ class FlightShape:
         """Length in plan of a flight of that rise in metres."""
         return math.ceil(rise / math.tan(self.slope) / CELL_M)
 
-    def hole_cells(self, rise: float) -> int:
-        """How much of the flight, from its upper end, needs an open floor above."""
-        return min(self.run_cells(rise), self.run_cells(HEADROOM_M))
-
 
 FLIGHT_SHAPES = (
     FlightShape(slope=math.radians(36.0), width=10, landing=10),
@@ -76,8 +73,7 @@ class Flight:
         start: x, y of the middle of its lower end.
         end: x, y of the middle of its upper end.
         width: Metres across.
-        cells: (nx, ny) the flight itself.
-        hole: (nx, ny) the part of it above which the upper floor is open.
+        cells: (nx, ny) the flight itself; the upper floor is open above it.
         foot: (nx, ny) the landing on the lower floor.
         head: (nx, ny) the landing on the upper floor.
     """
@@ -86,7 +82,6 @@ class Flight:
     end: Point2
     width: float
     cells: CellMask
-    hole: CellMask
     foot: CellMask
     head: CellMask
 
@@ -118,6 +113,17 @@ class StairEnd:
         free: CellMask = (self.grid.owner == FREE) & ~self.taken
         return self.room | free
 
+    @property
+    def doors(self) -> list[CellMask]:
+        """(nx, ny) floor of the room before each of its openings."""
+        room = self.grid.mask(self.key)
+        return [cells_around(wall, room.shape) & room for wall in self.walls]
+
+    @property
+    def doorways(self) -> CellMask:
+        """(nx, ny) floor of the room before any of its openings."""
+        return np.logical_or.reduce([np.zeros_like(self.taken), *self.doors])
+
 
 def place_flight(lower: StairEnd, upper: StairEnd, rise: float) -> Flight | None:
     """The best place for stairs from one room up to another, or None.
@@ -143,7 +149,7 @@ def _place(lower: StairEnd, upper: StairEnd, rise: float, shape: FlightShape) ->
     for _, turns, i, j in candidates[:_MAX_CANDIDATES]:
         flight = _flight(lower.grid, turns, (i, j), rise, shape)
         if _leaves_passage(lower, flight.cells, flight.foot) and _leaves_passage(
-            upper, flight.hole, flight.head
+            upper, flight.cells, flight.head
         ):
             return flight
     return None
@@ -153,9 +159,12 @@ def _candidates(
     lower: StairEnd, upper: StairEnd, turns: int, rise: float, shape: FlightShape
 ) -> Iterator[tuple[float, int, int, int]]:
     """(cost, quarter turns, i, j) of places that fit, climbing along +i of the turned lattice."""
-    run, hole, landing = shape.run_cells(rise), shape.hole_cells(rise), shape.landing
-    room_below, ground_below, room_above, ground_above = (
-        np.rot90(mask, turns) for mask in (lower.room, lower.buildable, upper.room, upper.buildable)
+    run, landing = shape.run_cells(rise), shape.landing
+    room_below, ground_below, doors_below = (
+        np.rot90(mask, turns) for mask in (lower.room, lower.buildable, lower.doorways)
+    )
+    room_above, ground_above, doors_above = (
+        np.rot90(mask, turns) for mask in (upper.room, upper.buildable, upper.doorways)
     )
     count = room_below.shape[0] - (run + 2 * landing) + 1
     if count < 1 or room_below.shape[1] < shape.width + 2:
@@ -165,14 +174,13 @@ def _candidates(
         """Set cells in the part of the stairs that starts at `offset`, for each place."""
         return window_sums(mask, length, shape.width)[offset : offset + count]
 
-    hole_offset = landing + run - hole
     fits = (
-        (cells(~room_below, 0, landing) == 0)
-        & (cells(~ground_below, landing, run) == 0)
-        & (cells(~ground_above, hole_offset, hole) == 0)
-        & (cells(~room_above, landing + run, landing) == 0)
+        (cells(~room_below | doors_below, 0, landing) == 0)
+        & (cells(~ground_below | doors_below, landing, run) == 0)
+        & (cells(~ground_above | doors_above, landing, run) == 0)
+        & (cells(~room_above | doors_above, landing + run, landing) == 0)
     )
-    built = cells(~room_below, landing, run) + cells(~room_above, hole_offset, hole)
+    built = cells(~room_below, landing, run) + cells(~room_above, landing, run)
     sides = _open_sides(room_below, run, shape.width)[landing : landing + count]
     cost = built + OPEN_SIDE_COST * sides
     for i, j in np.argwhere(fits).tolist():
@@ -188,7 +196,7 @@ def _open_sides(room: CellMask, length: int, width: int) -> NDArray[np.int64]:
 def _flight(
     grid: PlanGrid, turns: int, corner: tuple[int, int], rise: float, shape: FlightShape
 ) -> Flight:
-    run, hole = shape.run_cells(rise), shape.hole_cells(rise)
+    run = shape.run_cells(rise)
     size = np.rot90(grid.owner, turns).shape
     i, j = corner
     foot, head = i + shape.landing, i + shape.landing + run
@@ -203,7 +211,6 @@ def _flight(
         end=_center(grid, cells(head - 1, head + 1)),
         width=round(shape.width * CELL_M, 3),
         cells=cells(foot, head),
-        hole=cells(head - hole, head),
         foot=cells(i, foot),
         head=cells(head, head + shape.landing),
     )
@@ -218,14 +225,10 @@ def _center(grid: PlanGrid, cells: CellMask) -> Point2:
 def _leaves_passage(end: StairEnd, blocked: CellMask, landing: CellMask) -> bool:
     """Whether the room can take the flight, and its landing still leads to all its openings."""
     room = end.grid.mask(end.key)
-    doors = [cells_around(wall, room.shape) & room for wall in end.walls]
-    if any((door & (blocked | landing)).any() for door in doors):
-        return False
     left = room & ~blocked & ~end.taken
-    walked = ndimage.binary_opening(left, np.ones((PASSAGE_CELLS, PASSAGE_CELLS), np.bool_))
-    pieces, _ = ndimage.label(walked)
+    pieces, _ = square_positions(left, PASSAGE_CELLS)
     piece = int(pieces[landing].max())
-    if piece == 0 or not all((pieces[door] == piece).any() for door in doors):
+    if piece == 0 or not all((pieces[door] == piece).any() for door in end.doors):
         return False
     grown = room | blocked
     others = (end.grid.owner != FREE) & ~grown
