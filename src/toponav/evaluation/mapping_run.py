@@ -1,0 +1,115 @@
+"""Map and memory from a recording: Sections III-C and III-D without an agent that decides."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from toponav.config import NavigatorConfig
+from toponav.envs.recording import Recording
+from toponav.mapping.ply import write_ply
+from toponav.mapping.semantic_map import SemanticMap
+from toponav.mapping.view import MapView, PointCloud
+from toponav.memory.builder import MemoryBuilder
+from toponav.memory.snapshot import MemorySnapshot
+from toponav.perception.base import Detector
+from toponav.types import Detections
+
+NODE_SPACING_M = 2.0
+"""Path length between two nodes of the memory. A recording has no waypoints, at which the paper
+makes its nodes; this is about the length of its agent's legs."""
+
+Progress = Callable[[int, int], None]
+"""Called with the frames done and the frames in all."""
+
+
+@dataclass(frozen=True, eq=False)
+class MappingRun:
+    """What a recording gave.
+
+    Attributes:
+        view: The map after the last frame, on the floor of that frame.
+        memory: Nodes along the path, seen from the last one.
+        trajectory: (T, 3) foot points, metres.
+        map_bytes: Memory that the map held, bytes.
+    """
+
+    view: MapView
+    memory: MemorySnapshot
+    trajectory: NDArray[np.float64]
+    map_bytes: int
+
+
+def map_recording(
+    recording: Recording,
+    detector: Detector | None = None,
+    config: NavigatorConfig | None = None,
+    progress: Progress | None = None,
+) -> MappingRun:
+    """Integrate every frame of a recording, and remember the places that it passes.
+
+    Args:
+        recording: At least one frame.
+        detector: Finds the vocabulary's categories; without one, M_obj stays empty.
+        config: Parameters of map and memory, and the vocabulary; the defaults when left out.
+        progress: Told after every frame.
+
+    Raises:
+        RecordingError: A frame is damaged.
+    """
+    config = config or NavigatorConfig()
+    semantic_map, memory = SemanticMap(config.map), MemoryBuilder(config.memory)
+    trajectory: list[NDArray[np.float64]] = []
+    since_node, node = np.inf, 0
+    for index, observation in enumerate(recording):
+        if detector is None:
+            detections = Detections.empty(*observation.depth.shape)
+        else:
+            detections = detector.detect(observation.rgb, config.vocabulary)
+        semantic_map.integrate(observation, detections)
+        foot = observation.world_from_base.translation
+        if trajectory:
+            since_node += float(np.linalg.norm(foot - trajectory[-1]))
+        trajectory.append(foot)
+        if since_node >= NODE_SPACING_M:
+            travelled = 0.0 if index == 0 else since_node
+            place = (float(foot[0]), float(foot[1]))
+            node, since_node = memory.arrive(place, semantic_map.view(), travelled), 0.0
+        if progress is not None:
+            progress(index + 1, len(recording))
+    view = semantic_map.view()
+    memory.refresh(view)
+    return MappingRun(view, memory.snapshot(node), np.array(trajectory), semantic_map.nbytes)
+
+
+def write_clouds(view: MapView, folder: Path) -> dict[str, Path]:
+    """Write M_scene, M_nav, M_obs and every M_obj^(c) as PLY files.
+
+    Args:
+        view: The map.
+        folder: Made if need be; categories go to its subfolder `objects`.
+
+    Returns:
+        Path of each cloud by name: `scene`, `navigable`, `obstacles`, `objects/<category>`.
+    """
+    clouds: dict[str, PointCloud] = {
+        "scene": view.scene,
+        "navigable": view.navigable,
+        "obstacles": view.obstacles,
+    }
+    for category, cloud in sorted(view.objects.items()):
+        clouds[f"objects/{_file_stem(category)}"] = cloud
+    paths = {name: folder / f"{name}.ply" for name in clouds}
+    for name, cloud in clouds.items():
+        write_ply(paths[name], cloud)
+    return paths
+
+
+def _file_stem(category: str) -> str:
+    """A category, which is free text, as the name of a file."""
+    return re.sub(r"[^\w-]+", "_", category)
