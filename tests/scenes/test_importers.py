@@ -160,6 +160,23 @@ def test_real_homes_can_be_walked(name):
                 assert Polygon(room.polygon).area < footprint["x"] * footprint["z"] + 8.0
 
 
+@pytest.mark.parametrize("seed", [7, 14, 18, 31, 33, 38, 43, 50, 56, 59])
+def test_distorted_homes_can_be_walked(tmp_path, seed):
+    """Real homes with their boxes moved and resized at random: gaps and overlaps of all kinds."""
+    rng = np.random.default_rng(seed)
+    path = shared_data(f"layouts/domestigraph/{HOMES[seed % len(HOMES)]}.yaml")
+    content = yaml.safe_load(path.read_text())
+    for room in content["rooms"].values():
+        for axis in "xz":
+            room["centroid"][axis] += float(rng.normal(0.0, 0.5))
+            room["dims"][axis] *= float(rng.uniform(0.75, 1.25))
+        room["dims"]["y"] *= float(rng.uniform(0.8, 1.2))
+    content["connections"] = [pair for pair in content["connections"] if rng.random() < 0.9]
+    distorted = tmp_path / "distorted.yaml"
+    distorted.write_text(yaml.safe_dump(content))
+    assert_sound(import_domestigraph(distorted))
+
+
 def test_most_rooms_of_the_real_homes_are_kept():
     kept = total = 0
     for name in HOMES:
