@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -56,16 +57,17 @@ def scene_to_glb(scene: Scene) -> bytes:
     vertices = habitat_from_world.apply(scene.mesh.vertices)
     materials = [_pbr_material(material) for material in scene.mesh.materials]
     exported = trimesh.Scene()
+    uses = Counter(instance.name for instance in scene.mesh.instances)
     for instance in scene.mesh.instances:
         of_instance = scene.mesh.face_instance == instance.id
-        root = f"{instance.name}"
+        root = instance.name if uses[instance.name] == 1 else f"{instance.name}#{instance.id}"
         used = np.unique(scene.mesh.face_material[of_instance])
         if not len(used):
             continue
         exported.graph.update(frame_to=root, metadata={"category": instance.category})
         for index in used:
             faces = np.flatnonzero(of_instance & (scene.mesh.face_material == index))
-            name = f"{instance.name}/{scene.mesh.materials[index].name or index}"
+            name = f"{root}/{scene.mesh.materials[index].name or index}"
             exported.add_geometry(
                 _corners_mesh(scene.mesh, vertices, faces, materials[index]),
                 node_name=name,

@@ -87,6 +87,10 @@ def window_sums(mask: CellMask, length: int, width: int) -> NDArray[np.int64]:
 def square_positions(mask: CellMask, width: int) -> tuple[NDArray[np.int32], int]:
     """Where a square of that width fits into a mask, and which places a moving square can reach.
 
+    Args:
+        mask: (nx, ny) cells.
+        width: Cells; odd, so that a square has a middle.
+
     Returns:
         (nx, ny) labels of the squares' middle cells, 0 where none fits; the highest label.
     """
