@@ -62,7 +62,7 @@ class Locomotion:
     def clearance(self, observation: Observation, grid: OccupancyGrid) -> Clearance:
         """Where the agent fits on the map as it is now."""
         here = observation.world_from_base.translation
-        return self._planner.clearance(grid, here, self._bumps.blocked_xy)
+        return self._planner.clearance(grid, here, self._bumps.obstacles(grid))
 
     def reach(self, observation: Observation, grid: OccupancyGrid) -> CostField:
         """Cost of walking from the agent to every cell of the known free space."""
@@ -89,10 +89,9 @@ class Locomotion:
             self.progress = Progress.ARRIVED
             return None
         action = None
-        if not self._monitor.stalled(float(field.at(xy))):
-            action = self._follower.next_action(
-                observation.world_from_base, field, lambda heading: self._bumps.barred(xy, heading)
-            )
+        if not self._monitor.stalled(xy, field):
+            barred = self._bumps.barring(xy, grid)
+            action = self._follower.next_action(observation.world_from_base, field, barred)
         if action is None:
             self.progress = Progress.GAVE_UP
         return action

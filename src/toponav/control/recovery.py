@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
 
 from toponav.config_model import ConfigModel
+from toponav.control.discrete import HeadingBarred
+from toponav.control.planner import CostField
 from toponav.geometry import Pose
+from toponav.mapping.view import OCCUPIED, OccupancyGrid
 
 
 class RecoveryConfig(ConfigModel):
@@ -21,25 +25,28 @@ class RecoveryConfig(ConfigModel):
     bump_angle_deg: float = Field(default=20.0, ge=0.0)
     """Headings this close to a blocked one are barred with it, degrees: less than a turn."""
 
-    bumps_to_block: int = Field(default=3, ge=1)
-    """Bumps within `bump_radius_m` of each other after which the cell ahead counts as obstacle."""
+    touching_m: float = Field(default=0.05, ge=0.0)
+    """This near to an unexplained bump, metres, the agent still touches what it felt ..."""
+
+    wall_angle_deg: float = Field(default=85.0, ge=0.0, le=90.0)
+    """... and headings this close to the blocked one are barred, degrees: all that lead into a wall
+    across it."""
 
     contact_m: float = Field(default=0.25, gt=0.0)
-    """How far ahead of the agent's centre that cell lies, metres: the agent's 0.18 m radius and
+    """How far ahead of the agent's centre it touches what blocks it, metres: its 0.18 m radius and
     most of a 0.1 m cell."""
 
-    patience_steps: int = Field(default=20, ge=1)
-    """Steps without progress after which the waypoint is given up; a half turn takes six."""
+    explained_m: float = Field(default=0.35, ge=0.0)
+    """A mapped obstacle this near on the side of the bump explains it, metres."""
+
+    bumps_to_block: int = Field(default=3, ge=1)
+    """Bumps within `bump_radius_m` of each other after which explained ones block, too."""
+
+    window_steps: int = Field(default=30, ge=1)
+    """Steps over which progress is looked for; a half turn takes six."""
 
     min_progress_m: float = Field(default=0.2, gt=0.0)
-    """Progress is a cost-to-go this much lower than the lowest so far, metres: most of a step."""
-
-    detour_m: float = Field(default=0.5, gt=0.0)
-    """A cost-to-go that grows by this much in one step means that the map has shown a longer way:
-    progress is counted anew from there."""
-
-    max_detours: int = Field(default=10, ge=0)
-    """Detours on one walk; later ones do not count anew, so that every walk ends."""
+    """A walk that gets no nearer than this within the window is given up: most of a step."""
 
     barren_radius_m: float = Field(default=0.5, ge=0.0)
     """Waypoints this near to one that was given up are ruled out ..."""
@@ -49,40 +56,65 @@ class RecoveryConfig(ConfigModel):
 
 
 class BumpMemory:
-    """Remembers where forward steps were cut short."""
+    """Remembers where forward steps were cut short.
+
+    A bump beside a mapped obstacle is a graze and only bars its heading. One that nothing on the
+    map explains means an obstacle that no image shows: it is put on the map where it was felt, and
+    forgotten once the map shows something there.
+    """
 
     def __init__(self, config: RecoveryConfig) -> None:
         """Start without bumps."""
         self._config = config
-        self._bumps: list[tuple[float, float, float]] = []
-        self._blocked: list[tuple[float, float]] = []
+        self._bumps = np.zeros((0, 3))
 
     def add(self, world_from_base: Pose) -> None:
         """A forward step ended here, blocked."""
-        x, y = (float(v) for v in world_from_base.translation[:2])
-        yaw = world_from_base.yaw
-        self._bumps.append((x, y, yaw))
-        near = sum(
-            math.dist((x, y), bump[:2]) <= self._config.bump_radius_m for bump in self._bumps
-        )
-        if near >= self._config.bumps_to_block:
-            reach = self._config.contact_m
-            self._blocked.append((x + reach * math.cos(yaw), y + reach * math.sin(yaw)))
+        bump = (*world_from_base.translation[:2], world_from_base.yaw)
+        self._bumps = np.vstack([self._bumps, bump])
 
-    def barred(self, xy: ArrayLike, heading: float) -> bool:
-        """Whether a forward step at this heading (radians) was blocked near (2,) xy."""
-        position = np.asarray(xy, dtype=np.float64)
-        limit = math.radians(self._config.bump_angle_deg)
-        return any(
-            abs(math.remainder(heading - yaw, math.tau)) <= limit
-            and math.dist(position, (x, y)) <= self._config.bump_radius_m
-            for x, y, yaw in self._bumps
-        )
+    def barring(self, xy: ArrayLike, grid: OccupancyGrid) -> HeadingBarred:
+        """Tells the headings at which a forward step from (2,) xy would be blocked again."""
+        config = self._config
+        distance = np.linalg.norm(self._bumps[:, :2] - np.asarray(xy, dtype=np.float64), axis=1)
+        touching = ~self._explained(grid) & (distance <= config.touching_m)
+        limit = np.radians(np.where(touching, config.wall_angle_deg, config.bump_angle_deg))
+        limit = np.where(distance <= config.bump_radius_m, limit, -1.0)
+
+        def barred(heading: float) -> bool:
+            turn = np.remainder(self._bumps[:, 2] - heading + np.pi, 2.0 * np.pi) - np.pi
+            return bool((np.abs(turn) <= limit).any())
+
+        return barred
+
+    def obstacles(self, grid: OccupancyGrid) -> NDArray[np.float64]:
+        """(N, 2) positions that count as obstacles though the map shows none, metres."""
+        xy = self._bumps[:, :2]
+        apart = np.linalg.norm(xy[:, None] - xy[None], axis=-1)
+        repeated = (apart <= self._config.bump_radius_m).sum(axis=1) >= self._config.bumps_to_block
+        felt = repeated | ~self._explained(grid)
+        contact: NDArray[np.float64] = (xy + self._config.contact_m * self._ahead)[felt]
+        return contact
 
     @property
-    def blocked_xy(self) -> NDArray[np.float64]:
-        """(N, 2) points that count as obstacles though no image shows one."""
-        return np.asarray(self._blocked, dtype=np.float64).reshape(-1, 2)
+    def _ahead(self) -> NDArray[np.float64]:
+        """(N, 2) unit vectors of the blocked headings."""
+        return np.stack([np.cos(self._bumps[:, 2]), np.sin(self._bumps[:, 2])], axis=-1)
+
+    def _explained(self, grid: OccupancyGrid) -> NDArray[np.bool_]:
+        """(N,) bool: bumps with a mapped obstacle close by in the half plane ahead."""
+        reach = math.ceil(self._config.explained_m / grid.resolution)
+        side = np.arange(-reach, reach + 1)
+        window = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
+        xy = self._bumps[:, None, :2]
+        cells = grid.index_of(xy) + window
+        inside = grid.contains(cells)
+        i, j = np.moveaxis(np.where(inside[..., None], cells, 0), -1, 0)
+        offset = grid.center_of(cells) - xy
+        close = np.linalg.norm(offset, axis=-1) <= self._config.explained_m
+        in_front = (offset * self._ahead[:, None]).sum(axis=-1) > 0.0
+        explains = inside & close & in_front & (grid.cells[i, j] == OCCUPIED)
+        return np.asarray(explains.any(axis=1))
 
 
 class ProgressMonitor:
@@ -95,26 +127,26 @@ class ProgressMonitor:
 
     def restart(self) -> None:
         """A new goal: what came before does not count."""
-        self._lowest_m = self._last_m = math.inf
-        self._steps_without = 0
-        self._detours = 0
+        self._last_xy: NDArray[np.float64] | None = None
+        self._gains: deque[float] = deque(maxlen=self._config.window_steps)
 
-    def stalled(self, cost_to_go_m: float) -> bool:
-        """Add the cost-to-go of one step; whether patience has run out, or no way is left."""
-        if not math.isfinite(cost_to_go_m):
-            return True
-        config = self._config
-        detour = cost_to_go_m - self._last_m >= config.detour_m
-        if detour and self._detours < config.max_detours:
-            self._detours += 1
-            self._lowest_m = math.inf
-        self._last_m = cost_to_go_m
-        if cost_to_go_m <= self._lowest_m - config.min_progress_m:
-            self._lowest_m = cost_to_go_m
-            self._steps_without = 0
-            return False
-        self._steps_without += 1
-        return self._steps_without >= config.patience_steps
+    def stalled(self, xy: ArrayLike, field: CostField) -> bool:
+        """Add a step; whether the window's steps together brought the goal too little nearer.
+
+        Each step is judged by the field of the map as it is after it, so a way that turns out to
+        be longer than it seemed is no lack of progress.
+
+        Args:
+            xy: (2,) where the agent stands, world frame, metres.
+            field: Cost-to-go on the map as it is now.
+        """
+        here = np.array(xy, dtype=np.float64)
+        if self._last_xy is not None:
+            before, now = field.at(np.stack([self._last_xy, here]))
+            self._gains.append(float(before - now) if math.isfinite(before + now) else 0.0)
+        self._last_xy = here
+        full = len(self._gains) == self._config.window_steps
+        return full and sum(self._gains) < self._config.min_progress_m
 
 
 class BarrenWaypoints:

@@ -1,0 +1,105 @@
+"""Where to stand for the last metre."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from toponav.control.locomotion import LocomotionConfig
+from toponav.control.planner import CostField, Planner, PlannerConfig
+from toponav.control.vantage import MARGIN_M, vantage_point
+from toponav.geometry import Pose
+from toponav.mapping.view import FREE, OCCUPIED, MapView, OccupancyGrid, PointCloud
+from toponav.policy.goal import GoalConfig, GoalTracker
+
+EYE_M = 0.88
+CONFIG = GoalConfig()
+TRACKER = GoalTracker(CONFIG)
+AGENT = np.array([0.5, 0.5])
+
+
+def block(low: tuple[float, ...], high: tuple[float, ...]) -> np.ndarray:
+    axes = [np.arange(a, b + 0.025, 0.05) for a, b in zip(low, high, strict=True)]
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+
+
+def cloud(points: np.ndarray) -> PointCloud:
+    xyz = np.asarray(points, np.float32).reshape(-1, 3)
+    return PointCloud(xyz, np.zeros((len(xyz), 3), np.uint8), np.ones(len(xyz), np.int32))
+
+
+def room(target: np.ndarray, *others: np.ndarray) -> tuple[MapView, CostField]:
+    """A floor of 5 m by 3 m whose obstacles are the given points, and the ways from AGENT."""
+    solid = np.concatenate([target, *others])
+    grid = OccupancyGrid(np.full((50, 30), FREE, np.int8), (0.0, 0.0), 0.1)
+    i, j = grid.index_of(solid + 1e-6).T
+    grid.cells[i.clip(0, 49), j.clip(0, 29)] = OCCUPIED
+    nothing = np.zeros((0, 3))
+    view = MapView(
+        scene=cloud(solid),
+        objects={"chair": cloud(target)},
+        navigable=cloud(nothing),
+        obstacles=cloud(solid),
+        frontiers=nothing,
+        frontier_labels=np.zeros(0, np.int64),
+        grid=grid,
+        floor_z=0.0,
+    )
+    planner = Planner(PlannerConfig())
+    return view, planner.cost_field(planner.clearance(grid, AGENT), AGENT)
+
+
+def spot_for(target: np.ndarray, *others: np.ndarray) -> tuple[np.ndarray | None, MapView]:
+    view, reach = room(target, *others)
+    return vantage_point(TRACKER.points(view, "chair"), TRACKER, view, reach, EYE_M), view
+
+
+def horizontal_gap(spot: np.ndarray, target: np.ndarray) -> float:
+    return float(np.hypot(*(target[:, :2] - spot[:2]).T).min())
+
+
+CHAIR = block((3.0, 0.4, 0.1), (3.4, 0.8, 0.8))
+
+
+def test_it_is_the_first_place_on_the_way_from_which_the_agent_stops() -> None:
+    spot, view = spot_for(CHAIR)
+    assert spot is not None
+    assert spot[2] == 0.0
+    assert spot[0] < 3.0
+    assert horizontal_gap(spot, CHAIR) <= CONFIG.stop_distance_m - MARGIN_M
+    assert horizontal_gap(spot, CHAIR) > CONFIG.stop_distance_m - MARGIN_M - 0.15
+    assert TRACKER.reached(Pose.from_yaw(0.0, (spot[0], spot[1], EYE_M)), view, "chair")
+
+
+def test_the_margin_is_the_walks_tolerance() -> None:
+    assert LocomotionConfig().arrival_m == MARGIN_M
+
+
+def test_behind_a_wall_it_goes_round_to_see_the_target() -> None:
+    wall = block((2.6, 0.0, 0.0), (2.7, 1.8, 2.5))
+    spot, _ = spot_for(CHAIR, wall)
+    assert spot is not None
+    assert spot[0] > 2.6 or spot[1] > 1.2
+    assert horizontal_gap(spot, CHAIR) <= CONFIG.farthest_stop_m
+
+
+def test_a_target_that_cannot_be_approached_is_seen_from_as_near_as_one_gets() -> None:
+    """A bowl in the middle of a table 1.1 m deep on each side of it, too high to hide it."""
+    bowl = block((3.0, 1.4, 0.8), (3.1, 1.5, 0.85))
+    table = block((2.45, 0.0, 0.75), (4.9, 2.95, 0.75))
+    spot, view = spot_for(bowl, table)
+    assert spot is not None
+    gap = horizontal_gap(spot, bowl)
+    assert CONFIG.stop_distance_m - MARGIN_M < gap <= CONFIG.farthest_stop_m
+    eye = Pose.from_yaw(0.0, (spot[0], spot[1], EYE_M))
+    assert TRACKER.reached(eye, view, "chair", walk_ended=True)
+
+
+@pytest.mark.parametrize("closed", [block((1.5, 0.0, 0.0), (1.6, 3.0, 2.5))])
+def test_no_spot_beyond_a_closed_wall(closed: np.ndarray) -> None:
+    assert spot_for(CHAIR, closed)[0] is None
+
+
+def test_no_spot_for_a_target_that_is_not_mapped() -> None:
+    view, reach = room(CHAIR)
+    assert vantage_point(np.zeros((0, 3)), TRACKER, view, reach, EYE_M) is None
