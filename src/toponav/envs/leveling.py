@@ -11,8 +11,9 @@ from scipy.spatial.transform import Rotation
 
 from toponav.geometry import Intrinsics, Pose, back_project
 
-BLOCK = 8
-"""Depth is averaged over blocks of this many pixels a side, so that noise hardly tilts a normal."""
+BLOCKS_ACROSS = 80
+"""Depth is averaged over blocks, this many a row (8 pixels a side of 640), so that noise hardly
+tilts a normal."""
 
 EDGE_SPREAD = 0.05
 """A block whose depths spread by more than this share of their mean lies on an edge."""
@@ -56,11 +57,12 @@ class SurfacePatches:
         cls, depth: NDArray[np.float32], intrinsics: Intrinsics, world_from_camera: Pose
     ) -> SurfacePatches:
         """Patches of one (H, W) depth image in metres."""
-        rows, columns = depth.shape[0] // BLOCK, depth.shape[1] // BLOCK
-        cut = (slice(0, rows * BLOCK), slice(0, columns * BLOCK))
+        side = max(1, depth.shape[1] // BLOCKS_ACROSS)
+        rows, columns = depth.shape[0] // side, depth.shape[1] // side
+        cut = (slice(0, rows * side), slice(0, columns * side))
         xyz = back_project(depth, intrinsics)[cut]
-        blocks = xyz.reshape(rows, BLOCK, columns, BLOCK, 3)
-        z = depth[cut].reshape(rows, BLOCK, columns, BLOCK)
+        blocks = xyz.reshape(rows, side, columns, side, 3)
+        z = depth[cut].reshape(rows, side, columns, side)
         smooth = (z.min(axis=(1, 3)) > 0.0) & (
             np.ptp(z, axis=(1, 3)) < EDGE_SPREAD * z.mean(axis=(1, 3))
         )

@@ -1,0 +1,121 @@
+"""Frontiers and the grid, kept up to date in pieces, against SciPy on the whole grid."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from toponav.mapping.frontiers import FrontierMap
+from toponav.mapping.occupancy import FloorGrid
+from toponav.mapping.view import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
+
+RESOLUTION = 0.1
+
+
+def reference_frontiers(
+    grid: OccupancyGrid, clearance: int, min_cells: int
+) -> list[frozenset[tuple[int, int]]]:
+    """Frontiers as sets of cells, in raster order of their first cells."""
+    cells = np.pad(grid.cells, 1, constant_values=UNKNOWN)
+    cross = ndimage.generate_binary_structure(2, 1)
+    square = np.ones((3, 3), bool)
+    frontier = (cells == FREE) & ndimage.binary_dilation(cells == UNKNOWN, cross)
+    if clearance:
+        frontier &= ~ndimage.binary_dilation(cells == OCCUPIED, square, iterations=clearance)
+    labels, count = ndimage.label(frontier[1:-1, 1:-1], square)
+    clusters = [np.argwhere(labels == k + 1).tolist() for k in range(count)]
+    return [frozenset(map(tuple, cluster)) for cluster in clusters if len(cluster) >= min_cells]
+
+
+def found_frontiers(grid: FloorGrid, frontiers: FrontierMap) -> list[frozenset[tuple[int, int]]]:
+    centers, labels = frontiers.find()
+    cells = grid.snapshot().index_of(centers)
+    count = int(labels.max(initial=-1)) + 1
+    return [frozenset(map(tuple, cells[labels == k].tolist())) for k in range(count)]
+
+
+def random_cells(rng: np.random.Generator, size: int, count: int) -> NDArray[np.int64]:
+    """A blob of cells around a random place."""
+    center = rng.integers(-size, size, 2)
+    return center + np.rint(rng.normal(0.0, 6.0, (count, 2))).astype(np.int64)
+
+
+@pytest.mark.parametrize("clearance", [0, 1, 2])
+@pytest.mark.parametrize("seed", range(5))
+def test_incremental_frontiers_are_those_of_the_whole_grid(seed: int, clearance: int) -> None:
+    rng = np.random.default_rng(seed)
+    grid = FloorGrid(RESOLUTION, min_obstacle_voxels=1 + seed % 2)
+    frontiers = FrontierMap(grid, clearance, min_cells=3)
+    obstacles: list[NDArray[np.int64]] = []
+    for step in range(12):
+        grid.change(random_cells(rng, 40 * (1 + step // 4), 150), navigable=1, obstacles=0)
+        obstacles.append(random_cells(rng, 40, 30))
+        grid.change(obstacles[-1], navigable=0, obstacles=1)
+        if step % 3 == 2:
+            grid.change(obstacles.pop(0), navigable=0, obstacles=-1)
+        if step % 2:
+            expected = reference_frontiers(grid.snapshot(), clearance, 3)
+            assert found_frontiers(grid, frontiers) == expected
+
+
+def test_a_free_square_in_the_unknown_is_bordered_by_one_frontier() -> None:
+    grid = FloorGrid(RESOLUTION, 1)
+    i, j = np.mgrid[10:15, -3:2]
+    grid.change(np.column_stack([i.ravel(), j.ravel()]), navigable=1, obstacles=0)
+    centers, labels = FrontierMap(grid, 1, 1).find()
+    assert len(centers) == 16
+    assert set(labels.tolist()) == {0}
+    np.testing.assert_allclose(centers.min(axis=0), [1.05, -0.25])
+    np.testing.assert_allclose(centers.max(axis=0), [1.45, 0.15])
+
+
+def test_small_frontiers_and_those_beside_obstacles_are_dropped() -> None:
+    grid = FloorGrid(RESOLUTION, 1)
+    grid.change(np.array([[0, 0], [0, 1]]), navigable=1, obstacles=0)
+    grid.change(np.array([[20, k] for k in range(6)]), navigable=1, obstacles=0)
+    grid.change(np.array([[21, 0]]), navigable=0, obstacles=1)
+    centers, _ = FrontierMap(grid, 1, 3).find()
+    np.testing.assert_allclose(centers[:, 1], [0.25, 0.35, 0.45, 0.55])
+    np.testing.assert_allclose(centers[:, 0], 2.05)
+
+
+def test_cells_follow_the_counts_and_obstacles_win() -> None:
+    grid = FloorGrid(RESOLUTION, min_obstacle_voxels=2)
+    cell = np.array([[3, -4]])
+
+    def value() -> int:
+        snapshot = grid.snapshot()
+        return int(snapshot.cells[tuple(snapshot.index_of((0.35, -0.35)))])
+
+    grid.change(cell, navigable=1, obstacles=0)
+    assert value() == FREE
+    grid.change(cell, navigable=0, obstacles=1)
+    assert value() == FREE
+    grid.change(cell, navigable=0, obstacles=1)
+    assert value() == OCCUPIED
+    grid.change(cell, navigable=0, obstacles=-1)
+    assert value() == FREE
+    grid.change(cell, navigable=-1, obstacles=0)
+    assert value() == UNKNOWN
+
+
+def test_the_snapshot_covers_what_was_observed_and_no_more() -> None:
+    grid = FloorGrid(RESOLUTION, 1)
+    assert grid.snapshot().cells.shape == (0, 0)
+    grid.change(np.array([[-200, 5], [300, 7]]), navigable=1, obstacles=0)
+    grid.change(np.array([[10, -50]]), navigable=0, obstacles=1)
+    snapshot = grid.snapshot()
+    assert snapshot.cells.shape == (501, 58)
+    assert snapshot.origin == pytest.approx((-20.0, -5.0))
+    assert snapshot.cells[0, 55] == FREE
+    assert snapshot.cells[500, 57] == FREE
+    assert snapshot.cells[210, 0] == OCCUPIED
+    assert np.count_nonzero(snapshot.cells) == 3
+
+
+def test_a_snapshot_does_not_change_with_the_grid() -> None:
+    grid = FloorGrid(RESOLUTION, 1)
+    grid.change(np.array([[0, 0]]), navigable=1, obstacles=0)
+    snapshot = grid.snapshot()
+    grid.change(np.array([[0, 0]]), navigable=0, obstacles=1)
+    assert snapshot.cells[0, 0] == FREE
