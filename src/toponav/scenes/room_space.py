@@ -1,0 +1,159 @@
+"""The free space of one room while it is being furnished."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from shapely.geometry import LineString, Point, Polygon
+from shapely.geometry.base import BaseGeometry
+from shapely.geometry.polygon import orient
+from shapely.ops import unary_union
+
+from toponav.scenes.house import Opening
+from toponav.scenes.solids import polygons_of
+
+WALL_GAP_M = 0.08
+"""Half a wall and a finger's breadth: how far furniture stays from the room's outline."""
+PASSAGE_RADIUS_M = 0.27
+"""Half the width of passages that stay open: the agent's 0.18 m and a margin for steering."""
+DOOR_DEPTH_M = 0.95
+"""Floor that stays free in front of an opening."""
+DOOR_MARGIN_M = 0.12
+"""Floor that stays free on each side of an opening."""
+REACH_M = 0.55
+"""How near a passage must come to a thing that may be searched for."""
+MAX_DOOR_DISTANCE_M = 0.8
+"""An opening this far from a room's outline is not one of this room's."""
+
+
+@dataclass(frozen=True)
+class WallSlot:
+    """A stretch of wall.
+
+    Attributes:
+        start: (x, y) of its left end, seen from the room with the wall ahead of one's back.
+        along: Unit vector along the wall.
+        inward: Unit normal into the room.
+        length: Metres.
+    """
+
+    start: NDArray[np.float64]
+    along: NDArray[np.float64]
+    inward: NDArray[np.float64]
+    length: float
+
+    @property
+    def yaw(self) -> float:
+        """Yaw of a thing with its back (local +y) to this wall."""
+        return math.atan2(float(self.inward[0]), -float(self.inward[1]))
+
+
+class RoomSpace:
+    """Knows what stands where, and whether everything can still be reached."""
+
+    def __init__(
+        self,
+        polygon: Polygon,
+        openings: Sequence[Opening],
+        keep_clear: Sequence[BaseGeometry] = (),
+    ) -> None:
+        """Start with an empty room; `keep_clear` are areas such as stairs and their landings."""
+        self.polygon = orient(polygon)
+        self.inner = self.polygon.buffer(-WALL_GAP_M, join_style="mitre")
+        zones = [self._door_zone(opening) for opening in openings]
+        self.doors = unary_union([zone for zone in zones if zone is not None])
+        self.clear = unary_union([self.doors, *keep_clear])
+        self.entrances = [zone.centroid for zone in zones if zone is not None]
+        self.footprints: list[tuple[Polygon, float]] = []
+
+    def walls(self) -> list[WallSlot]:
+        """The room's walls, in order."""
+        ring = np.asarray(self.polygon.exterior.coords)
+        slots = []
+        for a, b in pairwise(ring):
+            length = math.dist(a, b)
+            if length > 0.05:
+                along = (b - a) / length
+                slots.append(WallSlot(a, along, np.array([-along[1], along[0]]), length))
+        return slots
+
+    def fits(
+        self, footprint: Polygon, in_front: Polygon | None = None, tucked: float = 0.0
+    ) -> bool:
+        """Whether a thing fits here without standing in or in front of another or of a door.
+
+        Args:
+            footprint: Where it would stand.
+            in_front: Floor before it that must be empty too.
+            tucked: Share of it that may be under another thing.
+        """
+        if not self.inner.buffer(0.01).contains(footprint) or footprint.intersects(self.clear):
+            return False
+        needed = footprint if in_front is None else footprint.union(in_front)
+        limit = tucked * footprint.area
+        return all(needed.intersection(other).area <= limit for other, _ in self.footprints)
+
+    def occupy(self, footprint: Polygon, top_m: float) -> None:
+        """Stand a thing on the floor."""
+        self.footprints.append((footprint, top_m))
+
+    def vacate(self, count: int) -> None:
+        """Take the last `count` things away again."""
+        if count:
+            del self.footprints[-count:]
+
+    def free(self) -> BaseGeometry:
+        """Where the agent's centre can be."""
+        things = unary_union([footprint for footprint, _ in self.footprints])
+        walkable = self.polygon.buffer(-PASSAGE_RADIUS_M, join_style="mitre")
+        return walkable.difference(things.buffer(PASSAGE_RADIUS_M - 0.02))
+
+    def passable(self) -> bool:
+        """Whether all entrances and all things are still joined by free floor."""
+        parts = polygons_of(self.free())
+        if not parts:
+            return not self.footprints
+        if self.entrances:
+            main = min(parts, key=lambda part: part.distance(self.entrances[0]))
+        else:
+            main = max(parts, key=lambda part: part.area)
+        joined = all(main.distance(entrance) < 0.3 for entrance in self.entrances)
+        return joined and all(main.distance(f) < REACH_M for f, _ in self.footprints)
+
+    def _door_zone(self, opening: Opening) -> Polygon | None:
+        """The floor inside this room that an opening needs."""
+        center = Point(opening.center)
+        nearest = min(self.walls(), key=lambda wall: _segment(wall).distance(center))
+        if _segment(nearest).distance(center) > MAX_DOOR_DISTANCE_M:
+            return None
+        half = opening.width / 2 + DOOR_MARGIN_M
+        base = nearest.start + nearest.along * float(
+            (np.asarray(opening.center) - nearest.start) @ nearest.along
+        )
+        depth = min(DOOR_DEPTH_M, 0.9 * math.sqrt(self.polygon.area))
+        corners = [
+            base + s * half * nearest.along + t * nearest.inward
+            for s, t in ((-1, -0.05), (1, -0.05), (1, depth), (-1, depth))
+        ]
+        return Polygon(corners)
+
+
+def _segment(wall: WallSlot) -> LineString:
+    return LineString([wall.start, wall.start + wall.length * wall.along])
+
+
+def rectangle(
+    center: NDArray[np.float64], yaw: float, width: float, depth: float, grow: float = 0.0
+) -> Polygon:
+    """The footprint of a thing of some width (local x) and depth (local y)."""
+    along = np.array([math.cos(yaw), math.sin(yaw)]) * (width / 2 + grow)
+    across = np.array([-math.sin(yaw), math.cos(yaw)]) * (depth / 2 + grow)
+    return Polygon(
+        [center - along - across, center + along - across, center + along + across,
+         center - along + across]
+    )  # fmt: skip
