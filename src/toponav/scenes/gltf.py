@@ -72,18 +72,34 @@ def load_mesh_scene(
         SceneError: One line: the file is damaged, has no triangles or no floor, ...
     """
     path = Path(path)
+    mesh = load_mesh(path, labels, up)
+    try:
+        floors = find_floors(mesh.vertices[mesh.faces])
+    except SceneError as error:
+        raise SceneError(f"{path}: {error}") from None
+    return Scene(name=path.stem, mesh=mesh, floors=floors)
+
+
+def load_mesh(
+    path: Path | str, labels: Path | str | None = None, up: UpAxis | None = None
+) -> SceneMesh:
+    """Load a mesh file, z up, whether or not anybody can stand in it.
+
+    Raises:
+        SceneError: One line: the file is damaged or has no triangles.
+    """
+    path = Path(path)
     table = load_label_table(labels) if labels is not None else LabelTable()
     materials = MaterialTable()
     file = _read(path)
     try:
         mesh = _merge(_parts(file, table, materials), materials)
         axis = up or detect_up_axis(mesh.vertices[mesh.faces], FORMAT_UP_AXIS[path.suffix.lower()])
-        if axis == "y":
-            mesh = replace(mesh, vertices=WORLD_FROM_HABITAT.apply(mesh.vertices))
-        floors = find_floors(mesh.vertices[mesh.faces])
     except SceneError as error:
         raise SceneError(f"{path}: {error}") from None
-    return Scene(name=path.stem, mesh=mesh, floors=floors)
+    if axis == "y":
+        mesh = replace(mesh, vertices=WORLD_FROM_HABITAT.apply(mesh.vertices))
+    return mesh
 
 
 def _read(path: Path) -> trimesh.Scene:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from mapbox_earcut import triangulate_float64
 from numpy.typing import NDArray
@@ -55,7 +57,7 @@ def extrude(polygon: Polygon, low: float, high: float) -> Triangles:
     parts = [flat(polygon, low, up=False), flat(polygon, high, up=True)]
     for ring in (polygon.exterior, *polygon.interiors):
         points = np.asarray(ring.coords)
-        for a, b in zip(points[:-1], points[1:], strict=True):
+        for a, b in pairwise(points):
             corners = np.array([(*a, low), (*b, low), (*b, high), (*a, high)])
             parts.append((corners, np.array([(0, 1, 2), (0, 2, 3)], np.int32)))
     return join(parts)
