@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from toponav.control.discrete import DiscreteFollower, FollowerConfig
@@ -35,15 +35,16 @@ def never(heading: float) -> bool:
     return False
 
 
+@settings(deadline=None)
 @given(st.floats(-math.pi, math.pi), st.floats(-math.pi, math.pi))
 def test_in_the_open_it_turns_the_shorter_way_to_the_goal(yaw: float, bearing: float) -> None:
     goal = (4.0 * math.cos(bearing), 4.0 * math.sin(bearing))
     action = FOLLOWER.next_action(at_origin(yaw), open_field(goal), never)
     off = math.remainder(bearing - yaw, math.tau)
-    # The field's lengths are 3 % off and a turn has its price: within a turn either will do.
-    if abs(off) < 0.3 * TURN:
+    # On a grid a fan of directions is equally short: near the goal's either will do.
+    if abs(off) < 0.05:
         assert action is Action.MOVE_FORWARD
-    elif TURN < abs(off) < math.pi - 0.5 * TURN:
+    elif 1.5 * TURN < abs(off) < math.pi - 0.5 * TURN:
         assert action is (Action.TURN_LEFT if off > 0 else Action.TURN_RIGHT)
     else:
         assert action is not None
@@ -83,6 +84,7 @@ def test_it_stays_inside_the_map() -> None:
     assert FOLLOWER.next_action(edge, field, never) in (Action.TURN_LEFT, Action.TURN_RIGHT)
 
 
+@settings(deadline=None)
 @given(
     st.floats(-math.pi, math.pi), st.tuples(st.floats(-4, 4), st.floats(-4, 4)), st.integers(0, 99)
 )
@@ -105,6 +107,7 @@ def test_turning_in_place_ends_within_half_a_turn(
     assert len(set(turns)) <= 1
 
 
+@settings(deadline=None)
 @given(st.floats(-math.pi, math.pi), st.floats(-math.pi, math.pi))
 def test_facing_a_point_takes_the_fewest_turns(yaw: float, bearing: float) -> None:
     point = np.array([math.cos(bearing), math.sin(bearing), 1.0])

@@ -93,12 +93,13 @@ class DiscreteFollower:
         distance = self._spacing_m * np.arange(1, self._samples + 1)
         direction = np.stack([np.cos(headings), np.sin(headings)], axis=-1)
         clearance = field.clearance
-        cells = clearance.grid.index_of(position + distance[:, None] * direction[:, None, :])
+        samples = position + distance[:, None] * direction[:, None, :]
+        cells = clearance.grid.index_of(samples)
         inside = clearance.grid.contains(cells)
         i, j = np.moveaxis(np.where(inside[..., None], cells, 0), -1, 0)
         fits = np.logical_and.accumulate(inside & clearance.traversable[i, j], axis=1)
         travelled = np.cumsum(clearance.step_cost[i, j], axis=1) * self._spacing_m
-        value = np.where(fits, travelled + field.cost[i, j], np.inf)
-        ends = value[:, self._samples_per_step - 1 :: self._samples_per_step]
-        best: NDArray[np.float64] = ends.min(axis=1)
+        ends = np.s_[:, self._samples_per_step - 1 :: self._samples_per_step]
+        value = np.where(fits[ends], travelled[ends] + field.at(samples[ends]), np.inf)
+        best: NDArray[np.float64] = value.min(axis=1)
         return best

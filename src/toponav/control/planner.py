@@ -71,12 +71,26 @@ class CostField:
     parent: NDArray[np.int64]
 
     def at(self, xy: ArrayLike) -> NDArray[np.float64]:
-        """(...,) cost at (..., 2) positions; infinite outside the grid."""
+        """(...,) cost from (..., 2 or 3) positions; infinite outside the grid and without a way.
+
+        It is that of the straight line to the centre of the next cell on the way, and on from
+        there, which tells positions within one cell apart.
+        """
         grid = self.clearance.grid
         index = grid.index_of(xy)
         inside = grid.contains(index)
         cell = np.where(inside[..., None], index, 0)
-        return np.where(inside, self.cost[cell[..., 0], cell[..., 1]], np.inf)
+        i, j = cell[..., 0], cell[..., 1]
+        flat = i * self.cost.shape[1] + j
+        parent = self.parent[i, j]
+        onward = np.stack(
+            np.unravel_index(np.where(parent == NO_PARENT, flat, parent), self.cost.shape), axis=-1
+        )
+        a, b = onward[..., 0], onward[..., 1]
+        step_cost = 0.5 * (self.clearance.step_cost[i, j] + self.clearance.step_cost[a, b])
+        offset = grid.center_of(onward) - np.asarray(xy, dtype=np.float64)[..., :2]
+        cost = self.cost[a, b] + step_cost * np.hypot(offset[..., 0], offset[..., 1])
+        return np.where(inside, cost, np.inf)
 
     def path_from(self, xy: ArrayLike) -> NDArray[np.float64]:
         """(K, 2) cell centres on the cheapest way to a goal; empty when there is none."""
