@@ -36,7 +36,7 @@ def bench_sim(scene: Scene, width: int, height: int, frames: int, seed: int = 0)
         `frame_ms`, `triangles`, `cores` (of the machine; one is used).
     """
     started = time.perf_counter()
-    surface = NavigableSurface.build(scene.mesh)
+    surface = NavigableSurface.build(scene.mesh, floors=scene.floors)
     surface_s = time.perf_counter() - started
     renderer = Renderer(scene.mesh, RayCaster(scene.mesh))
     intrinsics = Intrinsics.from_hfov(width, height, HFOV_DEG)

@@ -110,7 +110,7 @@ class HouseEnv(gymnasium.Env[dict[str, Any], Any]):
         self.render_mode = render_mode
         size = self.config.width, self.config.height
         self.intrinsics = Intrinsics.from_hfov(*size, self.config.hfov_deg)
-        self.surface = NavigableSurface.build(self.scene.mesh, self.config.body)
+        self.surface = NavigableSurface.build(self.scene.mesh, self.config.body, self.scene.floors)
         caster = RayCaster(self.scene.mesh)
         self._renderer = Renderer(self.scene.mesh, caster)
         self.oracle = SceneOracle(self.scene, self.surface, caster, self)

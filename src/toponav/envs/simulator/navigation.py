@@ -1,0 +1,245 @@
+"""Where an agent can be, how it moves, and how far things are: the simulator's navigable surface.
+
+Built from any triangle soup; plays the part of Habitat's PathFinder. Points are (3,) foot points in
+the world frame, metres, z up.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from toponav.envs.simulator.agent_body import AgentBody
+from toponav.envs.simulator.geodesic import ShortestPaths, distance_at, shortest_paths
+from toponav.envs.simulator.heightfield import build_heightfield
+from toponav.envs.simulator.span_graph import SpanGraph, build_span_graph
+from toponav.envs.simulator.walking import STRIDE_M, cell_at, walk
+from toponav.errors import EpisodeError, InputError, SceneError
+from toponav.scenes.mesh import SceneMesh
+
+SNAP_DISTANCE_M = 0.5
+"""How far a point may be from the surface to be moved onto it."""
+
+CONTACT_MARGIN_M = 1e-4
+"""A blocked agent stops this far before the border of its cell, so that it stays inside."""
+
+FLOOR_TOLERANCE_M = 0.2
+"""A surface this close to a floor's height belongs to that floor."""
+
+__all__ = ["AgentBody", "DistanceField", "Motion", "NavigableSurface"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """The outcome of a forward move.
+
+    Attributes:
+        position: (3,) where the agent ended.
+        collided: Whether an obstacle cut the move short.
+    """
+
+    position: NDArray[np.float64]
+    collided: bool
+
+
+class DistanceField:
+    """Geodesic distances from anywhere to the nearest of some goals."""
+
+    def __init__(self, surface: NavigableSurface, tree: ShortestPaths | None) -> None:
+        """Without a tree, when there is no goal, everything is infinitely far."""
+        self._surface = surface
+        self._tree = tree
+
+    def at(self, point: ArrayLike) -> float:
+        """Metres from a (3,) point to the nearest goal; infinite without a path."""
+        place = self._surface.locate(point)
+        if place is None or self._tree is None:
+            return math.inf
+        at, cell = place
+        return distance_at(self._surface.graph, self._tree, at, cell)[0]
+
+
+class NavigableSurface:
+    """All places where a body can stand in a scene, on every storey.
+
+    The surface consists of square cells (`SpanGraph`); positions on it are continuous.
+    """
+
+    def __init__(self, graph: SpanGraph, body: AgentBody, floors: Sequence[float] = ()) -> None:
+        """`floors` are the known floor heights, by which a floor is told from a roof."""
+        if not len(graph.z):
+            raise SceneError(
+                "the scene has no floor on which the agent has room: check that z is up and that "
+                "its units are metres"
+            )
+        self.graph = graph
+        self.body = body
+        self.main_island = _main_island(graph, floors)
+
+    @classmethod
+    def build(
+        cls, mesh: SceneMesh, body: AgentBody | None = None, floors: Sequence[float] = ()
+    ) -> NavigableSurface:
+        """Find the navigable surface of a scene.
+
+        Args:
+            mesh: Any triangles, z up.
+            body: Who moves.
+            floors: Heights of the known floors; without any, all that is flat counts.
+
+        Raises:
+            SceneError: The scene is empty, far too large, or has no floor with room for the agent.
+        """
+        body = body or AgentBody()
+        return cls(build_span_graph(build_heightfield(mesh, body), body), body, floors)
+
+    @property
+    def area(self) -> float:
+        """Of the main island, m2."""
+        cells = np.count_nonzero(self.graph.island == self.main_island)
+        return float(cells) * self.graph.cell_size**2
+
+    def island_of(self, point: ArrayLike) -> int | None:
+        """The island that a (3,) point lies on; None off the surface."""
+        place = self.locate(point)
+        return None if place is None else int(self.graph.island[place[1]])
+
+    def is_navigable(self, point: ArrayLike) -> bool:
+        """Whether the agent's foot can be at a (3,) point, its height within a climb."""
+        return self.locate(point) is not None
+
+    def locate(self, point: ArrayLike) -> tuple[tuple[float, float], int] | None:
+        """(x, y) in columns and the cell of a (3,) point; None off the surface."""
+        x, y, z = (float(v) for v in np.asarray(point, dtype=np.float64))
+        at = (x - self.graph.origin[0]) / self.graph.cell_size
+        at_y = (y - self.graph.origin[1]) / self.graph.cell_size
+        cell = int(cell_at(self.graph, at, at_y, z, self.body.max_climb))
+        return None if cell < 0 else ((at, at_y), cell)
+
+    def heights_at(self, xy: ArrayLike) -> list[list[float]]:
+        """Heights of the main island over each of (N, 2) places, from low to high."""
+        graph = self.graph
+        columns = np.floor((np.asarray(xy, float) - graph.origin) / graph.cell_size).astype(int)
+        inside = np.all((columns >= 0) & (columns < graph.shape), axis=1)
+        heights: list[list[float]] = []
+        for (i, j), valid in zip(columns, inside, strict=True):
+            column = i * graph.shape[1] + j
+            cells = (
+                range(graph.column_start[column], graph.column_start[column + 1]) if valid else ()
+            )
+            on_main = [k for k in cells if graph.island[k] == self.main_island]
+            heights.append([float(graph.z[k]) for k in on_main])
+        return heights
+
+    def snap(self, point: ArrayLike, max_distance: float = SNAP_DISTANCE_M) -> Array | None:
+        """The nearest point of the surface, (3,), within some metres; None without one."""
+        target = np.asarray(point, dtype=np.float64)
+        place = self.locate(target)
+        if place is not None:
+            return np.array([target[0], target[1], self.graph.z[place[1]]])
+        offset = self._centres() - target
+        distance = np.sqrt((offset**2).sum(axis=1))
+        nearest = int(np.argmin(distance))
+        return self._centres()[nearest] if distance[nearest] <= max_distance else None
+
+    def move(self, position: ArrayLike, yaw: float, distance: float) -> Motion:
+        """Walk straight ahead without sliding: a blocked move ends where it touches.
+
+        Args:
+            position: (3,) on the surface.
+            yaw: Heading, radians.
+            distance: Metres.
+
+        Raises:
+            EpisodeError: The position is not on the surface.
+        """
+        start = np.asarray(position, dtype=np.float64)
+        place = self.locate(start)
+        if place is None:
+            raise EpisodeError(f"nobody can stand at {np.round(start, 2).tolist()}")
+        direction = np.array([math.cos(yaw), math.sin(yaw)])
+        (x, y), cell = place
+        cells = distance / self.graph.cell_size
+        end = (x + cells * direction[0], y + cells * direction[1])
+        fraction, last, _ = walk(self.graph, cell, (x, y), end)
+        collided = bool(fraction < 1.0)
+        travelled = fraction * distance
+        if collided:
+            travelled = max(0.0, travelled - CONTACT_MARGIN_M)
+        reached = start[:2] + travelled * direction
+        return Motion(np.array([*reached, self.graph.z[last]]), collided)
+
+    def distance_field(self, goals: ArrayLike) -> DistanceField:
+        """Distances to the nearest of (N, 3) goals; goals off the surface count for nothing."""
+        places = [self.locate(goal) for goal in np.asarray(goals, float).reshape(-1, 3)]
+        known = [place for place in places if place is not None]
+        if not known:
+            return DistanceField(self, None)
+        at = np.array([place[0] for place in known])
+        cells = np.array([place[1] for place in known], dtype=np.int64)
+        return DistanceField(self, shortest_paths(self.graph, at, cells))
+
+    def geodesic_distance(self, start: ArrayLike, goal: ArrayLike) -> float:
+        """Length of the shortest path between two (3,) points; infinite without one."""
+        return self.distance_field(goal).at(start)
+
+    def shortest_path(self, start: ArrayLike, goal: ArrayLike) -> Array:
+        """(K, 3) corners of the shortest path between two (3,) points; empty without one."""
+        here, there = self.locate(start), self.locate(goal)
+        if here is None or there is None:
+            return np.zeros((0, 3))
+        tree = shortest_paths(self.graph, np.array([there[0]]), np.array([there[1]]), here[1])
+        distance, node = distance_at(self.graph, tree, *here)
+        if not math.isfinite(distance):
+            return np.zeros((0, 3))
+        corners = [self._world(here[0], here[1])]
+        while True:
+            at = (float(tree.at[node, 0]), float(tree.at[node, 1]))
+            corners.append(self._world(at, int(tree.cell[node])))
+            if tree.parent[node] == node:
+                return np.array(corners)
+            node = int(tree.parent[node])
+
+    def random_point(self, rng: np.random.Generator, floor_z: float | None = None) -> Array:
+        """A (3,) point of the main island, on one floor if its height is given.
+
+        Raises:
+            InputError: The main island does not reach that floor.
+        """
+        allowed = self.graph.island == self.main_island
+        if floor_z is not None:
+            allowed &= np.abs(self.graph.z - floor_z) <= FLOOR_TOLERANCE_M
+        cells = np.flatnonzero(allowed)
+        if not len(cells):
+            raise InputError(f"nobody can stand at height {floor_z} m")
+        cell = int(cells[rng.integers(len(cells))])
+        dx, dy = rng.random(2)
+        return self._world((self.graph.x[cell] + dx, self.graph.y[cell] + dy), cell)
+
+    def _world(self, at: tuple[float, float], cell: int) -> Array:
+        """(3,) world point of (x, y) in columns in a cell."""
+        xy = self.graph.origin + np.asarray(at) * self.graph.cell_size
+        return np.array([*xy, self.graph.z[cell]])
+
+    def _centres(self) -> Array:
+        """(S, 3) centres of all cells."""
+        columns = np.column_stack([self.graph.x, self.graph.y]) + 0.5
+        xy = self.graph.origin + columns * self.graph.cell_size
+        return np.column_stack([xy, self.graph.z])
+
+
+def _main_island(graph: SpanGraph, floors: Sequence[float]) -> int:
+    """The island with the most floor, the lower number at a tie: a flat roof is no floor."""
+    counted = np.ones(len(graph.z), np.bool_)
+    if len(floors):
+        gap = np.abs(graph.z[:, None] - np.asarray(floors, dtype=np.float64)).min(axis=1)
+        counted = gap <= FLOOR_TOLERANCE_M
+    if not counted.any():
+        counted[:] = True
+    return int(np.argmax(np.bincount(graph.island[counted])))
