@@ -88,8 +88,11 @@ class GoalTracker:
         if len(points) < self.config.min_points:
             return False
         limit = self.config.farthest_stop_m if walk_ended else self.config.stop_distance_m
+        here = world_from_camera.translation
+        if np.hypot(points[:, 0] - here[0], points[:, 1] - here[1]).min() > limit:
+            return False  # sight need not be looked into
         sight = TargetSight(points, view.scene.points, limit, self.config.sight)
-        return sight.within_reach(world_from_camera.translation, limit)
+        return sight.within_reach(here, limit)
 
     def _dense(self, points: NDArray[np.float32]) -> NDArray[np.float32]:
         """The points with enough others around them."""
