@@ -1,75 +1,113 @@
-"""From a house to triangles: walls with their openings cut, floors, ceilings, stairs, furniture."""
+"""A house becomes the triangles that a simulator loads."""
 
 from __future__ import annotations
 
-import zlib
 from pathlib import Path
+from zlib import crc32
 
 import numpy as np
-from shapely.geometry import Polygon
 
 from toponav.categories import canonical
+from toponav.errors import SceneError
 from toponav.geometry import Pose
+from toponav.scenes.building.flights import Stairwell, find_flight, find_stairwells
+from toponav.scenes.building.level_structure import LevelStructure
+from toponav.scenes.building.object_mesh import fitted, load_object_mesh
+from toponav.scenes.building.soup import TriangleSoup
+from toponav.scenes.finishes import room_finish
 from toponav.scenes.furniture import FurnitureMesh, build_furniture
-from toponav.scenes.house import House, HouseObject
-from toponav.scenes.level_meshing import LevelMesher
+from toponav.scenes.house import House, HouseObject, Level
 from toponav.scenes.mesh import Scene, SceneEpisode, SceneMesh
-from toponav.scenes.mesh_builder import MeshBuilder
-from toponav.scenes.object_meshes import load_object_mesh
-from toponav.scenes.stairs_meshing import add_stairs, stairwell
+from toponav.scenes.validation import validate_house
 
 
 def build_scene(house: House, base_dir: Path | None = None) -> Scene:
-    """The scene that a house describes.
+    """Build walls, floors, stairs and furniture.
+
+    Every room has an instance each for its walls, floor and ceiling, named `<room id>/wall` and so
+    on; every object is an instance of its own, named by its id. The same house gives the same mesh.
 
     Args:
-        house: A valid house.
-        base_dir: Where the mesh files of its objects lie; by default the working directory.
+        house: What to build.
+        base_dir: Where the objects' mesh files lie; needed when an object names one.
 
     Raises:
-        SceneError: An object's mesh file is missing or cannot be read.
+        SceneError: One line: the house is not valid, or a mesh file is missing or damaged.
     """
-    builder = MeshBuilder()
-    holes: list[list[Polygon]] = [[] for _ in house.levels]
-    for stairs in house.stairs:
-        upper = max(stairs.from_level, stairs.to_level, key=lambda k: house.levels[k].floor)
-        holes[upper].append(stairwell(stairs, house.levels))
-    for index, level in enumerate(house.levels):
-        above = holes[index + 1] if index + 1 < len(holes) else []
-        LevelMesher(builder, level, index).add(floor_holes=holes[index], ceiling_holes=above)
+    validate_house(house)
+    soup = TriangleSoup()
+    _build_structure(soup, house)
+    meshes: dict[str, SceneMesh] = {}
+    for level in house.levels:
         for item in level.objects:
-            _add_object(builder, item, base_dir or Path())
-    for number, stairs in enumerate(house.stairs):
-        add_stairs(builder, stairs, house.levels, f"stairs_{number}")
+            if item.mesh is None:
+                _add_object(soup, item, build_furniture(item.category, item.size, _seed(item.id)))
+            else:
+                if item.mesh not in meshes:
+                    meshes[item.mesh] = _load_mesh(item, item.mesh, base_dir)
+                _add_object(soup, item, fitted(meshes[item.mesh], item.size))
     return Scene(
         name=house.name,
-        mesh=builder.build(),
-        floors=tuple(sorted(level.floor for level in house.levels)),
+        mesh=soup.mesh(),
+        floors=tuple(sorted(level.floor for level in house.levels if level.rooms)),
         episodes=tuple(
-            SceneEpisode(episode.target, episode.start, episode.yaw) for episode in house.episodes
+            SceneEpisode(canonical(episode.target), episode.start, episode.yaw)
+            for episode in house.episodes
         ),
         room_types=tuple(
-            (room.type, index, np.asarray(room.polygon, dtype=np.float64))
+            (room.type, index, np.array(room.polygon, dtype=np.float64))
             for index, level in enumerate(house.levels)
             for room in level.rooms
         ),
     )
 
 
-def _add_object(builder: MeshBuilder, item: HouseObject, base_dir: Path) -> None:
-    """Place an object: its own mesh, or a shape of its category."""
-    world_from_object = Pose.from_yaw(item.yaw, item.position)
-    instance = builder.instance(item.id, item.category)
-    mesh: SceneMesh | FurnitureMesh
-    if item.mesh is not None:
-        mesh = load_object_mesh(item, base_dir)
-    else:
-        mesh = build_furniture(canonical(item.category), item.size, zlib.crc32(item.id.encode()))
-    materials = np.array([builder.material(material) for material in mesh.materials])
-    builder.add(
-        world_from_object.apply(mesh.vertices),
-        mesh.faces,
-        materials[mesh.face_material],
-        instance,
-        mesh.face_uv,
-    )
+def _build_structure(soup: TriangleSoup, house: House) -> None:
+    wells: list[Stairwell] = []
+    for index, stairs in enumerate(house.stairs):
+        flight = find_flight(stairs, house.levels)
+        wells += find_stairwells(flight, house.levels)
+        instance = soup.instance(f"stairs {index}", "stairs")
+        for part in flight.steps():
+            material = soup.material(part.surface.material)
+            soup.add(instance, part.corners, part.uv, [material] * len(part.corners))
+    for index, level in enumerate(house.levels):
+        if not level.rooms:
+            continue
+        finishes = [
+            room_finish(room.type, _seed(house.name, str(index), room.id)) for room in level.rooms
+        ]
+        structure = LevelStructure(soup, level, f"level {index}", finishes)
+        structure.build(
+            floor_wells=[well for well in wells if well.level == index],
+            ceiling_wells=[well for well in wells if _opens_ceiling(well, level)],
+        )
+
+
+def _opens_ceiling(well: Stairwell, level: Level) -> bool:
+    """Whether the slab of a stairwell is the one above a level."""
+    ceiling = level.floor + max(room.height for room in level.rooms)
+    return level.floor < well.floor and ceiling >= well.underside
+
+
+def _seed(*names: str) -> int:
+    """A seed that depends on names alone."""
+    return crc32("/".join(names).encode())
+
+
+def _load_mesh(item: HouseObject, name: str, base_dir: Path | None) -> SceneMesh:
+    if base_dir is None:
+        raise SceneError(
+            f"object {item.id!r} names the mesh {name!r}, but the house has no folder to look in; "
+            "save the house beside its meshes and load it from there"
+        )
+    return load_object_mesh(base_dir / name, item.id)
+
+
+def _add_object(soup: TriangleSoup, item: HouseObject, piece: FurnitureMesh | SceneMesh) -> None:
+    """Place a piece, given in the object's own frame."""
+    instance = soup.instance(item.id, canonical(item.category))
+    index = [soup.material(material) for material in piece.materials]
+    corners = Pose.from_yaw(item.yaw, item.position).apply(piece.vertices)[piece.faces]
+    colors = piece.corner_colors if isinstance(piece, SceneMesh) else None
+    soup.add(instance, corners, piece.face_uv, (index[k] for k in piece.face_material), colors)

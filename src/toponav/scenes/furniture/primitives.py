@@ -122,7 +122,7 @@ _OFF_FACE = np.tile(1.0 - np.eye(3), (8, 1))
 def _chamfered_box_faces() -> NDArray[np.int64]:
     """(44, 3) indices into the 24 points: the same whatever the proportions."""
     points = _SIGNS * (1.0 - 0.3 * _OFF_FACE)
-    faces = ConvexHull(points).simplices.astype(np.int64)
+    faces: NDArray[np.int64] = ConvexHull(points).simplices.astype(np.int64)
     a, b, c = (points[faces[:, k]] for k in range(3))
     inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), a + b + c) < 0.0
     faces[inward] = faces[inward][:, ::-1]
@@ -230,7 +230,8 @@ def _fan(ring: NDArray[np.float64]) -> list[NDArray[np.float64]]:
 def _solid_triangles(corners: NDArray[np.float64]) -> NDArray[np.float64]:
     """Without the triangles that have no area, as at the tip of a cone."""
     doubled = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    return corners[np.linalg.norm(doubled, axis=1) > 1e-10]
+    solid: NDArray[np.float64] = corners[np.linalg.norm(doubled, axis=1) > 1e-10]
+    return solid
 
 
 def _whole_image(corners: NDArray[np.float64], surface: Surface) -> Part:
