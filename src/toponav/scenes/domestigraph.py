@@ -17,6 +17,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from toponav.errors import SceneError
 from toponav.geometry.conventions import WORLD_FROM_HABITAT
+from toponav.scenes.home_furnishing import furnished
 from toponav.scenes.house import COORDINATE_LIMIT_M, House, Level, Room, Stairs
 from toponav.scenes.house_io import read_text
 from toponav.scenes.plan_home import HomePlanner, StoreyPlan
@@ -95,7 +96,7 @@ def import_domestigraph(path: Path | str, seed: int = 0) -> House:
     except SceneError as error:
         raise SceneError(f"{path}: {error}") from None
     heights = {key: room.dims.y for key, room in rooms.items()}
-    house = _house(path.stem, planner, heights)
+    house = furnished(_house(path.stem, planner, heights), seed, bare_types=(OUTDOOR,))
     validate_house(house)
     return house
 

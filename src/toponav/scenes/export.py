@@ -67,7 +67,7 @@ def scene_to_glb(scene: Scene) -> bytes:
         exported.graph.update(frame_to=root, metadata={"category": instance.category})
         for index in used:
             faces = np.flatnonzero(of_instance & (scene.mesh.face_material == index))
-            name = f"{root}/{scene.mesh.materials[index].name or index}"
+            name = f"{root}/{index}"
             exported.add_geometry(
                 _corners_mesh(scene.mesh, vertices, faces, materials[index]),
                 node_name=name,

@@ -15,6 +15,7 @@ from pydantic import BaseModel, Field, ValidationError
 from shapely import Point, Polygon
 
 from toponav.errors import SceneError
+from toponav.scenes.home_furnishing import with_episodes
 from toponav.scenes.house import Coordinate, House, HouseObject, Level, Opening, Room
 from toponav.scenes.house_io import read_text
 from toponav.scenes.procthor_assets import asset_category, counter_sides, typical_size
@@ -111,7 +112,7 @@ def import_procthor(path: Path | str) -> House:
         validate_house(house)
     except SceneError as error:
         raise SceneError(f"{path}: {error}") from None
-    return house
+    return with_episodes(house, seed=0)
 
 
 def _room(room: _Room, ceiling: float) -> Room:

@@ -1,0 +1,69 @@
+"""Furniture and episodes for an imported home that has none."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from zlib import crc32
+
+import numpy as np
+from shapely import LineString, Polygon
+
+from toponav.scenes.episodes import sample_episodes
+from toponav.scenes.furnish import furnish_room
+from toponav.scenes.house import House, HouseObject, Stairs
+
+EPISODES_PER_HOME = 2
+"""Episodes of a home that brings none."""
+
+LANDING_M = 1.0
+"""Floor that stays empty at either end of a flight."""
+
+SIDE_M = 0.1
+"""Floor that stays empty on either side of a flight, for its railing."""
+
+
+def furnished(house: House, seed: int, bare_types: Collection[str] = ()) -> House:
+    """The same house with furniture by room type, and with episodes.
+
+    Args:
+        house: A house without furniture.
+        seed: The same name and seed give the same furniture.
+        bare_types: Room types that stay empty.
+    """
+    levels = []
+    for index, level in enumerate(house.levels):
+        keep_clear = [stairs_area(s, index) for s in house.stairs if index in _levels_of(s)]
+        objects: list[HouseObject] = []
+        for number, room in enumerate(level.rooms):
+            if room.type not in bare_types:
+                openings = [opening for opening in level.openings if room.id in opening.rooms]
+                rng = np.random.default_rng([_name_seed(house), seed, index, number])
+                objects += furnish_room(room, openings, level.floor, rng, keep_clear=keep_clear)
+        levels.append(level.model_copy(update={"objects": objects}))
+    return with_episodes(house.model_copy(update={"levels": levels}), seed)
+
+
+def with_episodes(house: House, seed: int) -> House:
+    """The same house with episodes, each on the level of its target."""
+    rng = np.random.default_rng([_name_seed(house), seed])
+    episodes = sample_episodes(house, rng, EPISODES_PER_HOME)
+    return house.model_copy(update={"episodes": episodes})
+
+
+def stairs_area(stairs: Stairs, level: int) -> Polygon:
+    """The flight and its landing on one of its two levels."""
+    near, far = np.array(stairs.start), np.array(stairs.end)
+    if level == stairs.to_level:
+        near, far = far, near
+    landing = near + (near - far) / np.linalg.norm(near - far) * LANDING_M
+    area: Polygon = LineString([landing, far]).buffer(stairs.width / 2.0 + SIDE_M, cap_style="flat")
+    return area
+
+
+def _levels_of(stairs: Stairs) -> tuple[int, int]:
+    return stairs.from_level, stairs.to_level
+
+
+def _name_seed(house: House) -> int:
+    """A seed from the name that is the same in every process, as `hash` is not."""
+    return crc32(house.name.encode())
