@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from toponav.categories import canonical
 from toponav.config import NavigatorConfig
-from toponav.control.locomotion import Locomotion, Progress
+from toponav.control.locomotion import Locomotion
 from toponav.control.planner import CostField
 from toponav.control.recovery import BarrenWaypoints
 from toponav.control.vantage import vantage_point
@@ -78,8 +78,7 @@ class Navigator:
         self._locomotion.observe(observation)
         view = self._map.view()
         if self._panorama.collecting:
-            self._panorama.add(observation, detections, update)
-            if self._panorama.collecting:
+            if self._panorama.add(observation, detections, update):
                 return Action.TURN_LEFT
             self._decide(observation, view)
         elif self._sights_target(detections, view):
@@ -114,7 +113,7 @@ class Navigator:
         acquiring = guidance.target_found and self._goal.is_mapped(view, self._target)
         self._phase = Phase.TARGET_ACQUISITION if acquiring else Phase.EXPLORATION
         affordances = self._affordances(view, guidance)
-        self._waypoint = select_waypoint(affordances, self._admissible(affordances, reach))
+        self._waypoint = self._choose(affordances, reach)
         path = np.zeros((0, 2))
         if self._waypoint is not None:
             self._locomotion.go_to(self._waypoint)
@@ -144,22 +143,27 @@ class Navigator:
         s_node = self._memory.frontier_points_of(guidance.node_id, view)
         return exploration(view, s_dir, s_node, self._odometry.history, config)
 
-    def _admissible(self, affordances: Affordances, reach: CostField) -> NDArray[np.bool_]:
-        """Points that can be walked to and have not just been tried in vain."""
+    def _choose(self, affordances: Affordances, reach: CostField) -> NDArray[np.float64] | None:
+        """p_target among the points that can be walked to and have not just been tried in vain."""
         reachable = np.isfinite(reach.at(affordances.points[:, :2]))
-        return reachable & self._barren.admissible(affordances.points, self._decisions)
+        fresh = self._barren.admissible(affordances.points, self._decisions)
+        waypoint = select_waypoint(affordances, reachable & fresh)
+        return waypoint if waypoint is not None else select_waypoint(affordances, reachable)
 
     def _walk(self, observation: Observation, view: MapView) -> Action | None:
         """A turn or step towards p_target, stop at the target; None when the walk has ended."""
         if self._waypoint is None:
             return Action.STOP  # nothing left that can be reached: the search is over
         acquiring = self._phase is Phase.TARGET_ACQUISITION
-        if acquiring and self._goal.reached(observation.world_from_camera, view, self._target):
+        eye = observation.world_from_camera
+        if acquiring and self._goal.reached(eye, view, self._target):
             return Action.STOP
         action = self._locomotion.next_action(observation, view.grid)
         if action is None and acquiring:
             action = self._close_in(observation, view)
-        if action is None and self._locomotion.progress is Progress.GAVE_UP:
+            if action is None and self._goal.reached(eye, view, self._target, walk_ended=True):
+                return Action.STOP
+        if action is None:  # do not choose the same spot again without having learnt anything
             self._barren.add(self._waypoint, self._decisions)
         return action
 

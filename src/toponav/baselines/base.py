@@ -58,7 +58,10 @@ class MappedSearch(ABC):
         action = self._locomotion.next_action(observation, view.grid)
         if action is not None:
             return action
-        if self._locomotion.progress is Progress.GAVE_UP and self._waypoint is not None:
+        eye, acquiring = observation.world_from_camera, self._phase is Phase.TARGET_ACQUISITION
+        if acquiring and self._goal.reached(eye, view, self._target, walk_ended=True):
+            return Action.STOP
+        if self._waypoint is not None and (acquiring or self._gave_up):
             self._barren.add(self._waypoint, self._decisions)
         self._phase = Phase.EXPLORATION
         return self._explore(observation, view)
@@ -66,6 +69,10 @@ class MappedSearch(ABC):
     def close(self) -> None:
         """Tell the listener that the episode is over."""
         self._listener.on_close(self._view, None)
+
+    @property
+    def _gave_up(self) -> bool:
+        return self._locomotion.progress is Progress.GAVE_UP
 
     @abstractmethod
     def _explore(self, observation: Observation, view: MapView) -> Action:

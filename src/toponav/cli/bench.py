@@ -41,7 +41,8 @@ class BenchSim:
         figures = bench_sim(load_scene(self.scene, self.labels), width, height, self.frames)
         line = (
             f"{figures['scene']}: {figures['sim_fps']['embree']:.1f} frames/s "
-            f"at {width} x {height} (median {figures['frame_ms']:.1f} ms, of which Embree {figures['embree_ms']:.1f} ms; "
+            f"at {width} x {height} (median {figures['frame_ms']:.1f} ms, "
+            f"of which Embree {figures['embree_ms']:.1f} ms; "
             f"{figures['triangles']} triangles, one of {figures['cores']} cores); "
             f"navigable surface in {figures['surface_s']:.2f} s"
         )

@@ -50,7 +50,7 @@ class Eval:
             episodes=self.episodes,
             labels=self.labels,
             on_result=lambda done, total, result: output.say(
-                f"[{done}/{total}] {result_line(result)}"
+                f"[{done}{'' if total is None else f'/{total}'}] {result_line(result)}"
             ),
         )
         output.result(summary_line(summary), summary)

@@ -70,8 +70,12 @@ class Panorama:
         self._shots.clear()
         self._wanted = self._config.views if views is None else views
 
-    def add(self, observation: Observation, detections: Detections, update: FrameUpdate) -> None:
-        """Take one view from an observation that the map has already integrated."""
+    def add(self, observation: Observation, detections: Detections, update: FrameUpdate) -> bool:
+        """Take one view from an observation that the map has already integrated.
+
+        Returns:
+            Whether more views are to be taken.
+        """
         forward = observation.world_from_camera.rotation[:, 2]
         x, y, _ = observation.world_from_camera.translation
         self._shots.append(
@@ -84,6 +88,7 @@ class Panorama:
                 floor_area_m2=len(update.navigable_points) * self._cell_area_m2,
             )
         )
+        return self.collecting
 
     def views(self, map_view: MapView) -> tuple[PanoramaView, ...]:
         """The views as a reasoner gets them, with the frontiers that each looks at."""

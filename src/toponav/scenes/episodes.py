@@ -9,9 +9,9 @@ from shapely.geometry import Point, Polygon
 from shapely.ops import unary_union
 
 from toponav.categories import HM3D_TARGETS, MP3D_TARGETS, canonical
+from toponav.scenes.building.surfaces import polygons
 from toponav.scenes.house import House, HouseEpisode, Level
 from toponav.scenes.room_space import rectangle
-from toponav.scenes.solids import polygons_of
 
 START_CLEARANCE_M = 0.35
 """Starts keep this far from walls and furniture."""
@@ -95,4 +95,4 @@ def _free_floor(room: Polygon, level: Level) -> list[Polygon]:
     ]
     taken = unary_union(things).buffer(START_CLEARANCE_M)
     inside = room.buffer(-START_CLEARANCE_M, join_style="mitre")
-    return polygons_of(inside.difference(taken))
+    return polygons(inside.difference(taken))

@@ -14,8 +14,8 @@ from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
+from toponav.scenes.building.surfaces import polygons
 from toponav.scenes.house import Opening
-from toponav.scenes.solids import polygons_of
 
 WALL_GAP_M = 0.08
 """Half a wall and a finger's breadth: how far furniture stays from the room's outline."""
@@ -115,7 +115,7 @@ class RoomSpace:
 
     def passable(self) -> bool:
         """Whether all entrances and all things are still joined by free floor."""
-        parts = polygons_of(self.free())
+        parts = polygons(self.free())
         if not parts:
             return not self.footprints
         if self.entrances:

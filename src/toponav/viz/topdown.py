@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -69,7 +70,7 @@ def draw_topdown(picture: TopDownPicture) -> Figure:
     grid = picture.map_view.grid
     low, high = _extent(picture)
     size = np.minimum((high - low) * INCHES_PER_METRE, MAX_SIDE_INCHES)
-    figure = Figure(figsize=(max(size[0], 5.0), max(size[1], 3.5) + 0.9), layout="constrained")
+    figure = Figure(figsize=(max(size[0], 6.5), max(size[1], 3.5) + 1.1), layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
     _draw_grid(axes, grid.cells, grid.origin, grid.resolution)
@@ -83,8 +84,8 @@ def draw_topdown(picture: TopDownPicture) -> Figure:
     axes.set_xlabel("x [m]", fontsize=8)
     axes.set_ylabel("y [m]", fontsize=8)
     axes.tick_params(labelsize=7)
-    axes.set_title(picture.title, fontsize=10)
-    figure.legend(handles=handles, loc="outside lower center", ncols=5, fontsize=8, frameon=False)
+    axes.set_title(textwrap.fill(picture.title, round(11 * figure.get_figwidth())), fontsize=9)
+    figure.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
     return figure
 
 
