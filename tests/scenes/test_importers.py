@@ -16,9 +16,12 @@ from shapely import LineString, Point, Polygon, box, unary_union
 from shapely.affinity import rotate
 
 from shared_data import shared_data
+from toponav.categories import canonical
+from toponav.envs.simulator.navigation import NavigableSurface
 from toponav.errors import SceneError
 from toponav.scenes.domestigraph import import_domestigraph
 from toponav.scenes.house_io import house_to_json
+from toponav.scenes.meshing import build_scene
 from toponav.scenes.plan_grid import CELL_M, simple_room
 from toponav.scenes.plan_rooms import RoomBox, plan_rooms
 from toponav.scenes.plan_storeys import find_storeys
@@ -158,6 +161,33 @@ def test_real_homes_can_be_walked(name):
                 footprint = content[room.id]["dims"]
                 # A room shrinks where others overlap it; it grows by walls and a landing at most.
                 assert Polygon(room.polygon).area < footprint["x"] * footprint["z"] + 8.0
+
+
+@pytest.mark.parametrize("name", HOMES[:6])
+def test_imported_homes_bring_episodes(name):
+    house = imported_home(name)
+    assert len(house.episodes) == 2
+    for episode in house.episodes:
+        start = Point(episode.start[:2])
+        (level,) = (level for level in house.levels if level.floor == episode.start[2])
+        assert episode.target in {canonical(item.category) for item in level.objects}
+        assert any(Polygon(room.polygon).contains(start) for room in level.rooms)
+
+
+@pytest.mark.parametrize("name", ["00096-6HRFAUDqpTb", "00222-g8Xrdbe9fir"])
+def test_the_simulator_agrees_that_every_room_can_be_reached(name):
+    """Up and down the stairs, on the surface that the simulated agent stands on."""
+    house = imported_home(name)
+    assert len(house.levels) > 1
+    scene = build_scene(house)
+    surface = NavigableSurface.build(scene.mesh, floors=scene.floors)
+    distances = surface.distance_field([house.episodes[0].start])
+    for index, level in enumerate(house.levels):
+        pieces = unary_union(walkable_pieces(house, index))
+        for room in level.rooms:
+            inside = pieces.intersection(Polygon(room.polygon)).representative_point()
+            point = surface.snap((inside.x, inside.y, level.floor))
+            assert point is not None and math.isfinite(distances.at(point))
 
 
 @pytest.mark.parametrize("seed", [7, 14, 18, 31, 33, 38, 43, 50, 56, 59])
