@@ -122,7 +122,10 @@ class StairEnd:
     @property
     def doorways(self) -> CellMask:
         """(nx, ny) floor of the room before any of its openings."""
-        return np.logical_or.reduce([np.zeros_like(self.taken), *self.doors])
+        doorways = np.zeros_like(self.taken)
+        for door in self.doors:
+            doorways |= door
+        return doorways
 
 
 def place_flight(lower: StairEnd, upper: StairEnd, rise: float) -> Flight | None:
