@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Literal
 
 import tyro
 
@@ -12,8 +12,11 @@ from toponav.cli.options import JsonFlag
 
 
 @dataclass(frozen=True)
-class BenchSim:
-    """Time the simulator: RGB, depth and instance ids on one core."""
+class Bench:
+    """Print performance figures; `sim`: the simulator's RGB, depth and ids on one core."""
+
+    what: tyro.conf.Positional[Literal["sim"]]
+    """What to time."""
 
     scene: tyro.conf.Positional[str] = "generated:0"
     """House, mesh scene or generated:SEED."""
@@ -47,14 +50,3 @@ class BenchSim:
             f"navigable surface in {figures['surface_s']:.2f} s"
         )
         Output(self.json).result(line, figures)
-
-
-@dataclass(frozen=True)
-class Bench:
-    """Print performance figures."""
-
-    command: Annotated[BenchSim, tyro.conf.subcommand("sim")]
-
-    def run(self) -> None:
-        """Run the chosen benchmark."""
-        self.command.run()

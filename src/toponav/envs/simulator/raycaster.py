@@ -19,12 +19,14 @@ class RayHits:
     Attributes:
         distance: (N,) float32 in lengths of the ray's direction; infinite without a hit.
         face: (N,) int32 index of the triangle, -1 without a hit.
-        barycentric: (N, 2) float32 weights of the triangle's second and third corner.
+        u: (N,) float32 weight of the triangle's second corner.
+        v: (N,) float32 weight of its third corner.
     """
 
     distance: NDArray[np.float32]
     face: NDArray[np.int32]
-    barycentric: NDArray[np.float32]
+    u: NDArray[np.float32]
+    v: NDArray[np.float32]
 
 
 class RayCaster:
@@ -41,15 +43,19 @@ class RayCaster:
     def cast(self, origins: ArrayLike, directions: ArrayLike) -> RayHits:
         """First hits of (N, 3) rays; directions need not be of unit length."""
         shifted = (np.asarray(origins, dtype=np.float64) - self._center).astype(np.float32)
-        hits = self._scene.run(
-            np.ascontiguousarray(shifted),
-            np.ascontiguousarray(directions, dtype=np.float32),
-            query="INTERSECT",
-            output=True,
-        )
+        return self._run(shifted, np.ascontiguousarray(directions, dtype=np.float32))
+
+    def cast_from(self, eye: ArrayLike, directions: NDArray[np.float32]) -> RayHits:
+        """First hits of (N, 3) rays that all start at one (3,) point."""
+        shifted = (np.asarray(eye, dtype=np.float64) - self._center).astype(np.float32)
+        return self._run(np.tile(shifted, (len(directions), 1)), directions)
+
+    def _run(self, origins: NDArray[np.float32], directions: NDArray[np.float32]) -> RayHits:
+        hits = self._scene.run(origins, directions, query="INTERSECT", output=True)
         face = hits["primID"]
-        distance = np.where(face >= 0, hits["tfar"], np.float32(np.inf))
-        return RayHits(distance, face, np.column_stack([hits["u"], hits["v"]]))
+        distance = hits["tfar"]
+        distance[face < 0] = np.inf
+        return RayHits(distance, face, hits["u"], hits["v"])
 
     def first_hit(
         self, origins: ArrayLike, directions: ArrayLike

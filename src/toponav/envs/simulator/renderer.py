@@ -70,21 +70,22 @@ class Renderer:
         self._uv = np.ascontiguousarray(mesh.face_uv, dtype=np.float32)
         no_colors = np.zeros((0, 3, 3), np.uint8)
         self._colors = no_colors if mesh.corner_colors is None else mesh.corner_colors
-        self._rays: tuple[Intrinsics, NDArray[np.float64]] | None = None
+        self._rays: tuple[Intrinsics, NDArray[np.float32]] | None = None
 
     def render(self, world_from_camera: Pose, intrinsics: Intrinsics) -> RenderedFrame:
         """The scene as a camera sees it; the optical axis is the camera's +z."""
-        directions = self._camera_rays(intrinsics) @ world_from_camera.rotation.T
-        origins = np.broadcast_to(world_from_camera.translation, directions.shape)
-        hits = self.caster.cast(origins, directions)
+        directions = _rotated(
+            self._camera_rays(intrinsics), world_from_camera.rotation.astype(np.float32)
+        )
+        hits = self.caster.cast_from(world_from_camera.translation, directions)
         shape = (intrinsics.height, intrinsics.width)
-        rgb, depth, ids = self._shade(hits, directions.astype(np.float32))
+        rgb, depth, ids = self._shade(hits, directions)
         return RenderedFrame(rgb.reshape(*shape, 3), depth.reshape(shape), ids.reshape(shape))
 
-    def _camera_rays(self, intrinsics: Intrinsics) -> NDArray[np.float64]:
+    def _camera_rays(self, intrinsics: Intrinsics) -> NDArray[np.float32]:
         """(H * W, 3) directions with z = 1, so that the distance along a ray is its depth."""
         if self._rays is None or self._rays[0] != intrinsics:
-            self._rays = (intrinsics, intrinsics.rays().reshape(-1, 3))
+            self._rays = (intrinsics, intrinsics.rays().reshape(-1, 3).astype(np.float32))
         return self._rays[1]
 
     def _shade(
@@ -94,7 +95,7 @@ class Renderer:
         depth = np.zeros(len(hits.face), np.float32)
         ids = np.full(len(hits.face), NO_INSTANCE, np.int32)
         _shade_pixels(
-            (hits.distance, hits.face, hits.barycentric, directions),
+            (hits.distance, hits.face, hits.u, hits.v, directions),
             (self._normals, self._uv, self._mesh.face_material, self._mesh.face_instance),
             (self._atlas.texels, self._atlas.offset, self._atlas.size, self._colors),
             (rgb, depth, ids),
@@ -114,19 +115,32 @@ def _face_normals(mesh: SceneMesh) -> NDArray[np.float32]:
     a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
     normals = np.cross(b - a, c - a)
     length = np.linalg.norm(normals, axis=1, keepdims=True)
-    return (normals / np.maximum(length, 1e-12)).astype(np.float32)
+    unit: NDArray[np.float32] = (normals / np.maximum(length, 1e-12)).astype(np.float32)
+    return unit
 
 
-_Rays = tuple[NDArray[np.float32], NDArray[np.int32], NDArray[np.float32], NDArray[np.float32]]
+_Floats = NDArray[np.float32]
+_Rays = tuple[_Floats, NDArray[np.int32], _Floats, _Floats, _Floats]
 _Faces = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.int32], NDArray[np.int32]]
 _Looks = tuple[NDArray[np.uint8], NDArray[np.int64], NDArray[np.int64], NDArray[np.uint8]]
 _Images = tuple[NDArray[np.uint8], NDArray[np.float32], NDArray[np.int32]]
 
 
 @njit(cache=True, nogil=True)
+def _rotated(rays: _Floats, rotation: _Floats) -> _Floats:
+    """(N, 3) camera rays in the world frame."""
+    turned = np.empty_like(rays)
+    for i in range(len(rays)):
+        x, y, z = rays[i, 0], rays[i, 1], rays[i, 2]
+        for k in range(3):
+            turned[i, k] = rotation[k, 0] * x + rotation[k, 1] * y + rotation[k, 2] * z
+    return turned
+
+
+@njit(cache=True, nogil=True)
 def _shade_pixels(rays: _Rays, faces: _Faces, looks: _Looks, images: _Images) -> None:
     """Depth, id, texture and light of every pixel in one pass."""
-    distance, face, barycentric, directions = rays
+    distance, face, second, third, directions = rays
     normals, uv, material, instance = faces
     texels, offset, size, corner_colors = looks
     rgb, depth, ids = images
@@ -136,7 +150,7 @@ def _shade_pixels(rays: _Rays, faces: _Faces, looks: _Looks, images: _Images) ->
             continue
         depth[i] = distance[i]
         ids[i] = instance[f]
-        b, c = barycentric[i, 0], barycentric[i, 1]
+        b, c = second[i], third[i]
         a = 1.0 - b - c
         u = a * uv[f, 0, 0] + b * uv[f, 1, 0] + c * uv[f, 2, 0]
         v = a * uv[f, 0, 1] + b * uv[f, 1, 1] + c * uv[f, 2, 1]

@@ -67,12 +67,11 @@ def _of_instance(
     origins = np.broadcast_to(eyes[:, None], directions.shape)
     _, face = caster.first_hit(origins.reshape(-1, 3), directions.reshape(-1, 3))
     own = (face >= 0) & (mesh.face_instance[face] == instance)
-    return candidates[own.reshape(len(candidates), count).any(axis=1)]
+    seen: NDArray[np.float64] = candidates[own.reshape(len(candidates), count).any(axis=1)]
+    return seen
 
 
-def _candidates(
-    surface: NavigableSurface, samples: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _candidates(surface: NavigableSurface, samples: NDArray[np.float64]) -> NDArray[np.float64]:
     """Grid points of the main island near the samples, on the object's own storey."""
     low, high = samples.min(axis=0), samples.max(axis=0)
     first = np.floor((low[:2] - REACH_M) / GRID_M)
@@ -103,4 +102,5 @@ def _surface_points(corners: NDArray[np.float64]) -> NDArray[np.float64]:
     u, v = rng.random((2, len(face), 1))
     flip = u + v > 1.0
     u, v = np.where(flip, 1.0 - u, u), np.where(flip, 1.0 - v, v)
-    return a[face] + u * (b[face] - a[face]) + v * (c[face] - a[face])
+    points: NDArray[np.float64] = a[face] + u * (b[face] - a[face]) + v * (c[face] - a[face])
+    return points
