@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -57,22 +56,20 @@ def scene_to_glb(scene: Scene) -> bytes:
     vertices = habitat_from_world.apply(scene.mesh.vertices)
     materials = [_pbr_material(material) for material in scene.mesh.materials]
     exported = trimesh.Scene()
-    uses = Counter(instance.name for instance in scene.mesh.instances)
     for instance in scene.mesh.instances:
         of_instance = scene.mesh.face_instance == instance.id
-        root = instance.name if uses[instance.name] == 1 else f"{instance.name}#{instance.id}"
         used = np.unique(scene.mesh.face_material[of_instance])
         if not len(used):
             continue
-        exported.graph.update(frame_to=root, metadata={"category": instance.category})
+        exported.graph.update(frame_to=instance.name, metadata={"category": instance.category})
         for index in used:
             faces = np.flatnonzero(of_instance & (scene.mesh.face_material == index))
-            name = f"{root}/{index}"
+            name = f"{instance.name}/{index}"
             exported.add_geometry(
                 _corners_mesh(scene.mesh, vertices, faces, materials[index]),
                 node_name=name,
                 geom_name=name,
-                parent_node_name=root,
+                parent_node_name=instance.name,
             )
     content: bytes = exported.export(file_type="glb")
     return content
