@@ -78,7 +78,7 @@ class ReferenceMap:
         self.floor_z = floor_z
         self.scene = ReferenceCloud(config.r_pcd)
         self.objects: dict[str, ReferenceCloud] = {}
-        self.bridges = ReferenceCloud(config.r_pcd)
+        self.bridges: dict[Voxel, NDArray[np.float64]] = {}
 
     def integrate(self, observation: Observation, detections: Detections) -> NDArray[np.float64]:
         """Add a frame; returns its navigable points."""
@@ -108,8 +108,10 @@ class ReferenceMap:
         }
 
     def navigable(self) -> dict[Voxel, NDArray[np.float64]]:
-        bridges = dict(zip(self.bridges.voxels, self.bridges.centroids(), strict=True))
-        return {**bridges, **self.observed_navigable()}
+        observed = self.observed_navigable()
+        columns = {voxel[:2] for voxel in observed}
+        bridges = {v: p for v, p in self.bridges.items() if v[:2] not in columns}
+        return {**bridges, **observed}
 
     def obstacles(self) -> dict[Voxel, NDArray[np.float64]]:
         stairs = self.stairs()
@@ -130,7 +132,7 @@ class ReferenceMap:
         return {**dict.fromkeys(free, 1), **dict.fromkeys(blocked, -1)}
 
     def _cell(self, voxel: Voxel) -> tuple[int, int]:
-        return (voxel[0] // self.config.voxels_per_cell, voxel[1] // self.config.voxels_per_cell)
+        return (voxel[0] // self.config.columns_per_cell, voxel[1] // self.config.columns_per_cell)
 
     def _bridge(
         self,
@@ -147,15 +149,19 @@ class ReferenceMap:
                 if np.hypot(offset[0], offset[1]) <= config.standing_radius_m:
                     points.append(foot + offset)
         stand = np.array([foot[0], foot[1], self.floor_z])
-        taken: set[Voxel] = set()
+        aimed_at: set[tuple[int, int]] = set()
         for target in targets:
+            cell = self._cell(voxels_of(target[None], config.r_pcd)[0])
+            if cell in aimed_at:
+                continue
+            aimed_at.add(cell)
             distance = float(np.linalg.norm(target - stand))
             for k in range(1, int(distance / config.delta_step) + 1):
                 point = stand + k * config.delta_step / distance * (target - stand)
-                voxel = voxels_of(point[None], config.r_pcd)[0]
-                if abs(point[2] - self.floor_z) < config.delta and voxel not in taken:
-                    taken.add(voxel)
+                if abs(point[2] - self.floor_z) < config.delta:
                     points.append(point)
-        array = np.array(points)
-        unseen = [voxel not in navigable for voxel in voxels_of(array, config.r_pcd)]
-        self.bridges.add(array[unseen])
+        covered = {voxel[:2] for voxel in navigable} | {voxel[:2] for voxel in self.bridges}
+        for voxel, point in zip(voxels_of(np.array(points), config.r_pcd), points, strict=True):
+            if voxel[:2] not in covered:
+                covered.add(voxel[:2])
+                self.bridges[voxel] = point

@@ -44,7 +44,7 @@ def random_cells(rng: np.random.Generator, size: int, count: int) -> NDArray[np.
 @pytest.mark.parametrize("seed", range(5))
 def test_incremental_frontiers_are_those_of_the_whole_grid(seed: int, clearance: int) -> None:
     rng = np.random.default_rng(seed)
-    grid = FloorGrid(RESOLUTION, min_obstacle_voxels=1 + seed % 2)
+    grid = FloorGrid(RESOLUTION, 1, min_obstacle_voxels=1 + seed % 2)
     frontiers = FrontierMap(grid, clearance, min_cells=3)
     obstacles: list[NDArray[np.int64]] = []
     for step in range(12):
@@ -59,7 +59,7 @@ def test_incremental_frontiers_are_those_of_the_whole_grid(seed: int, clearance:
 
 
 def test_a_free_square_in_the_unknown_is_bordered_by_one_frontier() -> None:
-    grid = FloorGrid(RESOLUTION, 1)
+    grid = FloorGrid(RESOLUTION, 1, 1)
     i, j = np.mgrid[10:15, -3:2]
     grid.change(np.column_stack([i.ravel(), j.ravel()]), navigable=1, obstacles=0)
     centers, labels = FrontierMap(grid, 1, 1).find()
@@ -70,7 +70,7 @@ def test_a_free_square_in_the_unknown_is_bordered_by_one_frontier() -> None:
 
 
 def test_small_frontiers_and_those_beside_obstacles_are_dropped() -> None:
-    grid = FloorGrid(RESOLUTION, 1)
+    grid = FloorGrid(RESOLUTION, 1, 1)
     grid.change(np.array([[0, 0], [0, 1]]), navigable=1, obstacles=0)
     grid.change(np.array([[20, k] for k in range(6)]), navigable=1, obstacles=0)
     grid.change(np.array([[21, 0]]), navigable=0, obstacles=1)
@@ -80,7 +80,7 @@ def test_small_frontiers_and_those_beside_obstacles_are_dropped() -> None:
 
 
 def test_cells_follow_the_counts_and_obstacles_win() -> None:
-    grid = FloorGrid(RESOLUTION, min_obstacle_voxels=2)
+    grid = FloorGrid(RESOLUTION, 1, min_obstacle_voxels=2)
     cell = np.array([[3, -4]])
 
     def value() -> int:
@@ -100,7 +100,7 @@ def test_cells_follow_the_counts_and_obstacles_win() -> None:
 
 
 def test_the_snapshot_covers_what_was_observed_and_no_more() -> None:
-    grid = FloorGrid(RESOLUTION, 1)
+    grid = FloorGrid(RESOLUTION, 1, 1)
     assert grid.snapshot().cells.shape == (0, 0)
     grid.change(np.array([[-200, 5], [300, 7]]), navigable=1, obstacles=0)
     grid.change(np.array([[10, -50]]), navigable=0, obstacles=1)
@@ -114,8 +114,31 @@ def test_the_snapshot_covers_what_was_observed_and_no_more() -> None:
 
 
 def test_a_snapshot_does_not_change_with_the_grid() -> None:
-    grid = FloorGrid(RESOLUTION, 1)
+    grid = FloorGrid(RESOLUTION, 1, 1)
     grid.change(np.array([[0, 0]]), navigable=1, obstacles=0)
     snapshot = grid.snapshot()
     grid.change(np.array([[0, 0]]), navigable=0, obstacles=1)
     assert snapshot.cells[0, 0] == FREE
+
+
+def test_a_cell_spans_several_columns_on_either_side_of_the_origin() -> None:
+    grid = FloorGrid(RESOLUTION, 2, 1)
+    grid.change(np.array([[-1, 0], [2, 3]]), navigable=1, obstacles=0)
+    snapshot = grid.snapshot()
+    assert snapshot.origin == pytest.approx((-0.1, 0.0))
+    assert snapshot.cells.tolist() == [[FREE, UNKNOWN], [UNKNOWN, UNKNOWN], [UNKNOWN, FREE]]
+
+
+def test_bridges_fill_only_columns_without_observed_floor_and_once() -> None:
+    grid = FloorGrid(RESOLUTION, 2, 1)
+    grid.change(np.array([[0, 0]]), navigable=1, obstacles=0)
+    columns = np.array([[0, 0], [0, 1], [0, 1], [5, 5]])
+    assert grid.bridge(columns).tolist() == [False, True, False, True]
+    assert grid.bridge(columns).tolist() == [False, False, False, False]
+    assert grid.observed(columns).tolist() == [True, False, False, False]
+    covered = grid.covered(np.array([-1, -1]), np.array([3, 3]))
+    assert covered.tolist() == [[False] * 3, [False, True, True], [False] * 3]
+    snapshot = grid.snapshot()
+    assert snapshot.cells[0, 0] == snapshot.cells[2, 2] == FREE
+    grid.change(np.array([[5, 5]]), navigable=0, obstacles=1)
+    assert grid.snapshot().cells[2, 2] == OCCUPIED

@@ -11,7 +11,7 @@ from toponav.mapping.voxels import (
     INITIAL_CAPACITY,
     SETTLED_COUNT,
     VoxelCloud,
-    pack_points,
+    columns_of,
     unpack_keys,
 )
 
@@ -65,12 +65,15 @@ def test_centroid_stays_exact_far_from_the_origin_and_over_many_points() -> None
     np.testing.assert_allclose(cloud.cloud().points[0], points.mean(axis=0), atol=1e-4)
 
 
-def test_keys_pack_and_unpack_at_the_limits_of_reach() -> None:
-    reach = VoxelCloud(RESOLUTION).reach
+def test_keys_reach_as_far_as_the_cloud() -> None:
+    cloud = VoxelCloud(RESOLUTION)
+    reach = cloud.reach
     points = np.array([[reach - 0.01, -reach + 0.01, 0.0], [-0.01, 0.01, -reach + 0.01]])
-    keys = pack_points(points, RESOLUTION)
-    assert [tuple(row) for row in unpack_keys(keys).tolist()] == voxels_of(points, RESOLUTION)
+    cloud.add(points)
+    keys = cloud.arrays.keys[:2]
     assert (keys >= 0).all()
+    assert [tuple(row) for row in unpack_keys(keys).tolist()] == voxels_of(points, RESOLUTION)
+    np.testing.assert_array_equal(columns_of(keys), unpack_keys(keys)[:, :2])
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, 1e6])

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from toponav.errors import ObservationError
 from toponav.mapping.voxels import (
-    EMPTY,
     SETTLED_COUNT,
     VOXELS,
     VoxelArrays,
@@ -23,6 +22,9 @@ from toponav.mapping.voxels import (
     pack_key,
 )
 from toponav.types import Observation
+
+PixelBox = tuple[int, int, int, int]
+"""(top, left, bottom, right) in pixels, ends exclusive."""
 
 BORDER = 1e-6
 """Points nearer than this share of an edge to their voxel's border are located by division anew:
@@ -86,14 +88,40 @@ class FrameScatter:
             )
         if mask is None:
             mask = np.ones(frame.depth.shape, np.bool_)
-            top, bottom = 0, len(mask)
+            box = (0, 0, frame.depth.shape[0], frame.depth.shape[1])
         else:
-            rows = np.flatnonzero(mask.any(axis=1))
-            top, bottom = (int(rows[0]), int(rows[-1]) + 1) if len(rows) else (0, 0)
-        row = -(-top // window.stride) * window.stride
-        while row < bottom:
+            box = _bounds(mask)
+        row = _next_multiple(box[0], window.stride)
+        while row < box[2]:
             cloud.reserve(frame.depth.shape[1])  # a row makes at most one voxel a pixel
-            row = _scatter_rows(frame, window, mask, (row, bottom), cloud.arrays, cloud.resolution)
+            row = _scatter_rows(
+                frame, window, mask, (row, *box[1:]), cloud.arrays, cloud.resolution
+            )
+
+
+@njit(cache=True)
+def _bounds(mask: NDArray[np.bool_]) -> PixelBox:
+    """The smallest box that holds all marked pixels; empty when there is none."""
+    rows, columns = mask.shape
+    marked_columns = np.zeros(columns, np.bool_)
+    top, bottom = rows, 0
+    for v in range(rows):
+        marked = False
+        for u in range(columns):
+            marked |= mask[v, u]
+            marked_columns[u] |= mask[v, u]
+        if marked:
+            top, bottom = min(top, v), v + 1
+    left, right = columns, 0
+    for u in range(columns):
+        if marked_columns[u]:
+            left, right = min(left, u), u + 1
+    return top, left, bottom, right
+
+
+@njit(cache=True)
+def _next_multiple(value: int, step: int) -> int:
+    return (value + step - 1) // step * step
 
 
 @njit(cache=True)
@@ -101,24 +129,28 @@ def _scatter_rows(
     frame: _Frame,
     window: DepthWindow,
     mask: NDArray[np.bool_],
-    rows: tuple[int, int],
+    box: PixelBox,
     arrays: VoxelArrays,
     resolution: float,
 ) -> int:
-    """Add rows [first, last) while there is room for a whole row; returns the next row."""
+    """Add the rows of a box while there is room for a whole row; returns the next row."""
     depth, rgb, ray_x, ray_y, R, t = frame
     table, keys, offset_sums, color_sums, counts, _, _, touched, is_touched, sizes = arrays
+    sums = (counts, offset_sums, color_sums)
     width = depth.shape[1]
-    v, last = rows
+    v, left, bottom, right = box
+    left = _next_multiple(left, window.stride)
     inside = BORDER * resolution
-    while v < last and sizes[VOXELS] + width <= keys.size:
+    while v < bottom and sizes[VOXELS] + width <= keys.size:
         # Eq. (1) in eq. (2): x_w = d (R [ray_x, ray_y, 1]^T) + t. The row's share of the bracket:
         row_x = R[0, 1] * ray_y[v] + R[0, 2]
         row_y = R[1, 1] * ray_y[v] + R[1, 2]
         row_z = R[2, 1] * ray_y[v] + R[2, 2]
-        slot = EMPTY
+        slot, run = 0, 0
         low_x, low_y, low_z = 0.0, 0.0, 0.0
-        for u in range(0, width, window.stride):
+        sum_x, sum_y, sum_z = 0.0, 0.0, 0.0
+        red, green, blue = 0, 0, 0
+        for u in range(left, right, window.stride):
             d = float(depth[v, u])
             if not mask[v, u] or d <= window.min_depth or d >= window.max_depth:
                 continue
@@ -130,19 +162,40 @@ def _scatter_rows(
                 and inside <= y - low_y < resolution - inside
                 and inside <= z - low_z < resolution - inside
             )
-            if slot == EMPTY or not same_voxel:
+            if run == 0 or not same_voxel:
+                if run > 0:
+                    _add_run(sums, slot, run, (sum_x, sum_y, sum_z), (red, green, blue))
                 ix = int(np.floor(x / resolution))
                 iy = int(np.floor(y / resolution))
                 iz = int(np.floor(z / resolution))
                 slot = claim_slot(table, keys, touched, is_touched, sizes, pack_key(ix, iy, iz))
                 low_x, low_y, low_z = ix * resolution, iy * resolution, iz * resolution
-            if counts[slot] < SETTLED_COUNT:
-                counts[slot] += 1
-                offset_sums[slot, 0] += x - low_x
-                offset_sums[slot, 1] += y - low_y
-                offset_sums[slot, 2] += z - low_z
-                color_sums[slot, 0] += rgb[v, u, 0]
-                color_sums[slot, 1] += rgb[v, u, 1]
-                color_sums[slot, 2] += rgb[v, u, 2]
+                run, sum_x, sum_y, sum_z, red, green, blue = 0, 0.0, 0.0, 0.0, 0, 0, 0
+            run += 1
+            sum_x += x - low_x
+            sum_y += y - low_y
+            sum_z += z - low_z
+            red += rgb[v, u, 0]
+            green += rgb[v, u, 1]
+            blue += rgb[v, u, 2]
+        if run > 0:
+            _add_run(sums, slot, run, (sum_x, sum_y, sum_z), (red, green, blue))
         v += window.stride
     return v
+
+
+@njit(cache=True)
+def _add_run(
+    sums: tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.uint32]],
+    slot: int,
+    run: int,
+    offsets: tuple[float, float, float],
+    colors: tuple[int, int, int],
+) -> None:
+    """Add the sums of `run` neighbouring points to their voxel."""
+    counts, offset_sums, color_sums = sums
+    if counts[slot] + run <= SETTLED_COUNT:
+        counts[slot] += run
+        for axis in range(3):
+            offset_sums[slot, axis] += offsets[axis]
+            color_sums[slot, axis] += colors[axis]

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from toponav.mapping.frontiers import FrontierMap
 from toponav.mapping.occupancy import FloorGrid
-from toponav.mapping.voxels import EMPTY, VoxelCloud, find_slot, unpack_keys
+from toponav.mapping.voxels import VoxelCloud, columns_of, find_slot
 
 
 class Layer(IntEnum):
@@ -61,20 +61,16 @@ class Floor:
 class FloorLayers:
     """Keeps the floor and layer of every scene voxel, and with them the grids of the floors."""
 
-    def __init__(
-        self, scene: VoxelCloud, delta: float, obstacle_top: float, voxels_per_cell: int
-    ) -> None:
+    def __init__(self, scene: VoxelCloud, delta: float, obstacle_top: float) -> None:
         """Start without floors.
 
         Args:
             scene: M_scene; its slots are what this class speaks of.
             delta: Half the height of the navigable band, metres.
             obstacle_top: Height over the floor from which on nothing is in the way, metres.
-            voxels_per_cell: r_g / r_pcd.
         """
         self._scene = scene
         self._heights = (delta, obstacle_top)
-        self._voxels_per_cell = voxels_per_cell
         self._floors: list[Floor] = []
         self._codes = np.empty(0, np.int16)
         self._is_stairs = np.empty(0, np.bool_)
@@ -145,22 +141,9 @@ class FloorLayers:
         ]
         return navigable
 
-    def observed_navigable(self, keys: NDArray[np.int64], floor: Floor) -> NDArray[np.bool_]:
-        """(N,) which voxels, by key, are scene voxels in M_nav of a floor."""
-        arrays = self._scene.arrays
-        slots = _find(arrays.table, arrays.keys, keys)
-        observed: NDArray[np.bool_] = slots != EMPTY
-        observed[observed] = self.are_navigable(slots[observed], floor)
-        return observed
-
-    def columns(self, keys: NDArray[np.int64]) -> NDArray[np.int64]:
-        """(N, 2) world indices of the grid cells over voxels."""
-        columns: NDArray[np.int64] = unpack_keys(keys)[:, :2] // self._voxels_per_cell
-        return columns
-
     def _count(self, slots: NDArray[np.int32], codes: NDArray[np.int16], sign: int) -> None:
         """Add voxels of those codes to the floors' grids, or take them away."""
-        columns = self.columns(self._scene.arrays.keys[slots])
+        columns = columns_of(self._scene.arrays.keys[slots])
         for floor in self._floors:
             navigable = self._wanted(self._navigable_codes(floor))[codes]
             floor.grid.change(columns[navigable], navigable=sign, obstacles=0)
@@ -232,17 +215,6 @@ def _slots_with(
         found[count] = slot
         count += wanted[codes[slot]]
     return found[:count]
-
-
-@njit(cache=True)
-def _find(
-    table: NDArray[np.int32], keys: NDArray[np.int64], wanted: NDArray[np.int64]
-) -> NDArray[np.int64]:
-    """Slots of keys, or EMPTY."""
-    slots = np.empty(wanted.size, np.int64)
-    for row in range(wanted.size):
-        slots[row] = find_slot(table, keys, wanted[row])
-    return slots
 
 
 @njit(cache=True)

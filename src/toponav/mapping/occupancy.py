@@ -22,24 +22,28 @@ EMPTY_BOX: Box = (0, 0, 0, 0)
 
 
 class FloorGrid:
-    """Counts the navigable and obstacle voxels over each cell, and says which box has changed.
+    """Counts the voxels of M_nav and M_obs on one floor, and says which box of G has changed.
 
-    Cells are addressed by world index: cell (i, j) covers x in [i, i + 1) r_g. The storage covers
-    a growing window of them.
+    The plane is cut into columns, as wide as a voxel, and cells of several columns a side. Both
+    are addressed by world index: column (i, j) covers x in [i, i + 1) r_pcd, cell (i, j) covers x
+    in [i, i + 1) r_g. The storage covers a growing window of cells.
     """
 
-    def __init__(self, resolution: float, min_obstacle_voxels: int) -> None:
+    def __init__(self, resolution: float, columns_per_cell: int, min_obstacle_voxels: int) -> None:
         """Create an empty grid.
 
         Args:
             resolution: r_g, metres.
+            columns_per_cell: r_g / r_pcd.
             min_obstacle_voxels: Voxels of M_obs that make a cell an obstacle; the paper's is 1.
         """
         self.resolution = resolution
+        self._columns_per_cell = columns_per_cell
         self._min_obstacle_voxels = min_obstacle_voxels
         self._first = (0, 0)
-        self._navigable = np.zeros((0, 0), np.int32)
-        self._obstacles = np.zeros((0, 0), np.int32)
+        self._navigable = np.zeros((0, 0), np.int16)
+        self._bridged = np.zeros((0, 0), np.bool_)
+        self._obstacles = np.zeros((0, 0), np.int16)
         self._cells = np.full((0, 0), UNKNOWN, np.int8)
         self._known = EMPTY_BOX
         self._changed = EMPTY_BOX
@@ -62,28 +66,58 @@ class FloorGrid:
     @property
     def nbytes(self) -> int:
         """Memory held, bytes."""
-        return self._navigable.nbytes + self._obstacles.nbytes + self._cells.nbytes
+        arrays = (self._navigable, self._bridged, self._obstacles, self._cells)
+        return sum(array.nbytes for array in arrays)
 
-    def change(self, cells: NDArray[np.int64], navigable: int, obstacles: int) -> None:
-        """Add voxels over cells, or take them away.
+    def change(self, columns: NDArray[np.int64], navigable: int, obstacles: int) -> None:
+        """Add voxels over columns, or take them away.
 
         Args:
-            cells: (N, 2) world indices; a cell may occur several times.
+            columns: (N, 2) world indices; a column may occur several times.
             navigable: +1, 0 or -1 navigable voxels over each.
             obstacles: +1, 0 or -1 obstacle voxels over each.
         """
-        if not len(cells):
-            return
-        low, high = cells.min(axis=0), cells.max(axis=0)
-        self._cover(low, high)
-        local = cells - np.asarray(self._first)
-        i, j = low - self._first
-        i_last, j_last = high - self._first
-        box = (int(i), int(j), int(i_last) + 1, int(j_last) + 1)
-        _change_counts(self._navigable, self._obstacles, local, navigable, obstacles)
-        _classify_box(self._cells, self._navigable, self._obstacles, box, self._min_obstacle_voxels)
-        self._known = union(self._known, box)
-        self._changed = union(self._changed, box)
+        if len(columns):
+            box, local = self._enclose(columns)
+            counts = (self._navigable, self._obstacles)
+            _change_counts(*counts, local, (navigable, obstacles), self._columns_per_cell)
+            self._classify(box)
+
+    def bridge(self, columns: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Make columns navigable where there is no navigable voxel.
+
+        Args:
+            columns: (N, 2) world indices; a column may occur several times.
+
+        Returns:
+            (N,) which of them were bridged now; of equal ones the first.
+        """
+        if not len(columns):
+            return np.zeros(0, np.bool_)
+        box, local = self._enclose(columns)
+        new: NDArray[np.bool_] = _bridge_gaps(self._navigable, self._bridged, local)
+        self._classify(box)
+        return new
+
+    def observed(self, columns: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """(N,) which (N, 2) columns hold an observed navigable voxel; they lie in the storage."""
+        i, j = (columns - self._first_column).T
+        observed: NDArray[np.bool_] = self._navigable[i, j] > 0
+        return observed
+
+    def covered(self, first: NDArray[np.int64], shape: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """A copy of a window of columns: whether each is navigable, observed or bridged.
+
+        Args:
+            first: (2,) world index of the window's column (0, 0).
+            shape: (2,) columns along x and y.
+        """
+        step = self._columns_per_cell
+        self._cover(first // step, (first + shape - 1) // step)
+        i, j = first - self._first_column
+        window = (slice(i, i + shape[0]), slice(j, j + shape[1]))
+        covered: NDArray[np.bool_] = (self._navigable[window] > 0) | self._bridged[window]
+        return covered
 
     def take_changes(self) -> Box:
         """The box of cells changed since the last call, in storage cells."""
@@ -98,6 +132,25 @@ class FloorGrid:
         origin = ((self._first[0] + i) * self.resolution, (self._first[1] + j) * self.resolution)
         return OccupancyGrid(cells, origin, self.resolution)
 
+    @property
+    def _first_column(self) -> NDArray[np.int64]:
+        return np.asarray(self._first, np.int64) * self._columns_per_cell
+
+    def _enclose(self, columns: NDArray[np.int64]) -> tuple[Box, NDArray[np.int64]]:
+        """Make room for columns; returns their box of storage cells and their storage indices."""
+        low = columns.min(axis=0) // self._columns_per_cell
+        high = columns.max(axis=0) // self._columns_per_cell
+        self._cover(low, high)
+        i, j = (int(index) for index in low - self._first)
+        i_last, j_last = (int(index) for index in high - self._first)
+        return (i, j, i_last + 1, j_last + 1), columns - self._first_column
+
+    def _classify(self, box: Box) -> None:
+        counts = (self._navigable, self._bridged, self._obstacles)
+        _classify_box(self._cells, counts, box, self._columns_per_cell, self._min_obstacle_voxels)
+        self._known = union(self._known, box)
+        self._changed = union(self._changed, box)
+
     def _cover(self, low: NDArray[np.int64], high: NDArray[np.int64]) -> None:
         """Grow the storage until it holds world cells `low` to `high`, inclusive."""
         first = np.asarray(self._first, np.int64)
@@ -110,7 +163,16 @@ class FloorGrid:
         new_end = np.where(high >= end, high + 1 + GROWTH_CELLS, end)
         shape = tuple(int(n) for n in new_end - new_first)
         shift = (int(first[0] - new_first[0]), int(first[1] - new_first[1]))
-        self._navigable = embedded(self._navigable, shape, shift)
+        step = self._columns_per_cell
+        column_shape, column_shift = (
+            (shape[0] * step, shape[1] * step),
+            (
+                shift[0] * step,
+                shift[1] * step,
+            ),
+        )
+        self._navigable = embedded(self._navigable, column_shape, column_shift)
+        self._bridged = embedded(self._bridged, column_shape, column_shift)
         self._obstacles = embedded(self._obstacles, shape, shift)
         self._cells = embedded(self._cells, shape, shift)
         self._first = (int(new_first[0]), int(new_first[1]))
@@ -142,32 +204,47 @@ def _shifted(box: Box, shift: tuple[int, int]) -> Box:
 
 @njit(cache=True)
 def _change_counts(
-    navigable_counts: NDArray[np.int32],
-    obstacle_counts: NDArray[np.int32],
-    cells: NDArray[np.int64],
-    navigable: int,
-    obstacles: int,
+    navigable: NDArray[np.int16],
+    obstacles: NDArray[np.int16],
+    columns: NDArray[np.int64],
+    change: tuple[int, int],
+    columns_per_cell: int,
 ) -> None:
-    for row in range(cells.shape[0]):
-        i, j = cells[row, 0], cells[row, 1]
-        navigable_counts[i, j] += navigable
-        obstacle_counts[i, j] += obstacles
+    for row in range(columns.shape[0]):
+        i, j = columns[row, 0], columns[row, 1]
+        navigable[i, j] += change[0]
+        obstacles[i // columns_per_cell, j // columns_per_cell] += change[1]
+
+
+@njit(cache=True)
+def _bridge_gaps(
+    navigable: NDArray[np.int16], bridged: NDArray[np.bool_], columns: NDArray[np.int64]
+) -> NDArray[np.bool_]:
+    new = np.zeros(columns.shape[0], np.bool_)
+    for row in range(columns.shape[0]):
+        i, j = columns[row, 0], columns[row, 1]
+        new[row] = navigable[i, j] == 0 and not bridged[i, j]
+        bridged[i, j] |= new[row]
+    return new
 
 
 @njit(cache=True)
 def _classify_box(
     cells: NDArray[np.int8],
-    navigable_counts: NDArray[np.int32],
-    obstacle_counts: NDArray[np.int32],
+    counts: tuple[NDArray[np.int16], NDArray[np.bool_], NDArray[np.int16]],
     box: Box,
+    columns_per_cell: int,
     min_obstacle_voxels: int,
 ) -> None:
     """G(i, j) of Section III-C; where both M_nav and M_obs project, the obstacle wins."""
+    navigable, bridged, obstacles = counts
     for i in range(box[0], box[2]):
         for j in range(box[1], box[3]):
-            if obstacle_counts[i, j] >= min_obstacle_voxels:
+            if obstacles[i, j] >= min_obstacle_voxels:
                 cells[i, j] = OCCUPIED
-            elif navigable_counts[i, j] > 0:
-                cells[i, j] = FREE
-            else:
-                cells[i, j] = UNKNOWN
+                continue
+            cells[i, j] = UNKNOWN
+            for a in range(i * columns_per_cell, (i + 1) * columns_per_cell):
+                for b in range(j * columns_per_cell, (j + 1) * columns_per_cell):
+                    if navigable[a, b] > 0 or bridged[a, b]:
+                        cells[i, j] = FREE

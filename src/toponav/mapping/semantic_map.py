@@ -13,10 +13,10 @@ from toponav.errors import ObservationError
 from toponav.mapping.back_projection import DepthWindow, FrameScatter
 from toponav.mapping.floors import Floor, FloorLayers
 from toponav.mapping.frontiers import FrontierMap
-from toponav.mapping.interpolation import disc, interpolate
+from toponav.mapping.interpolation import Spacing, disc, interpolate
 from toponav.mapping.occupancy import FloorGrid
 from toponav.mapping.view import FrameUpdate, MapView, PointCloud
-from toponav.mapping.voxels import VoxelCloud, frozen, pack_points
+from toponav.mapping.voxels import VoxelCloud, columns_of, frozen
 from toponav.types import Detections, Observation
 
 LEVEL_TOLERANCE_M = 0.08
@@ -83,7 +83,7 @@ class MapConfig(ConfigModel):
 
     @model_validator(mode="after")
     def _check(self) -> MapConfig:
-        if abs(self.r_g / self.r_pcd - self.voxels_per_cell) > 1e-6 or not self.voxels_per_cell:
+        if abs(self.r_g / self.r_pcd - self.columns_per_cell) > 1e-6 or not self.columns_per_cell:
             raise ValueError(f"r_g ({self.r_g}) must be a whole multiple of r_pcd ({self.r_pcd})")
         if not self.delta < self.obstacle_top_m < self.floor_separation_m - self.delta:
             raise ValueError(
@@ -92,7 +92,7 @@ class MapConfig(ConfigModel):
         return self
 
     @property
-    def voxels_per_cell(self) -> int:
+    def columns_per_cell(self) -> int:
         """r_g / r_pcd."""
         return round(self.r_g / self.r_pcd)
 
@@ -113,9 +113,7 @@ class SemanticMap:
         config = self.config
         self._scene = VoxelCloud(config.r_pcd)
         self._objects: dict[str, VoxelCloud] = {}
-        self._layers = FloorLayers(
-            self._scene, config.delta, config.obstacle_top_m, config.voxels_per_cell
-        )
+        self._layers = FloorLayers(self._scene, config.delta, config.obstacle_top_m)
         self._floor: Floor | None = None
         self._view: MapView | None = None
 
@@ -208,35 +206,36 @@ class SemanticMap:
 
     def _new_floor(self, index: int, z: float) -> Floor:
         config = self.config
-        grid = FloorGrid(config.r_g, config.min_obstacle_voxels)
+        grid = self._empty_grid()
         frontiers = FrontierMap(grid, config.frontier_clearance_cells, config.min_frontier_cells)
         return Floor(index, z, grid, frontiers, VoxelCloud(config.r_pcd))
+
+    def _empty_grid(self) -> FloorGrid:
+        config = self.config
+        return FloorGrid(config.r_g, config.columns_per_cell, config.min_obstacle_voxels)
 
     def _bridge(
         self, floor: Floor, foot: NDArray[np.float64], targets: NDArray[np.float32]
     ) -> None:
-        """Make the ground under the agent, and between it and what it sees, navigable.
-
-        Voxels of observed floor are left alone: interpolation fills gaps, it moves no centroid.
-        """
+        """Make the ground under the agent, and between it and what it sees, navigable."""
         config = self.config
-        stand = np.array([foot[0], foot[1], floor.z])
+        spacing = Spacing(config.delta_step, config.delta, config.r_pcd, config.columns_per_cell)
         under_foot = disc(foot, config.standing_radius_m, config.r_pcd)
-        between = interpolate(stand, targets, config.delta_step, config.delta, config.r_pcd)
-        points = np.concatenate([under_foot, between])
-        keys = pack_points(points, config.r_pcd)
-        known = len(floor.bridges)
-        floor.bridges.add(points[~self._layers.observed_navigable(keys, floor)])
+        self._add_bridges(floor, under_foot)
+        stand = np.array([foot[0], foot[1], floor.z])
+        self._add_bridges(floor, interpolate(stand, targets, floor.grid, spacing))
+
+    def _add_bridges(self, floor: Floor, points: NDArray[np.float64]) -> None:
+        columns = np.floor(points[:, :2] / self.config.r_pcd).astype(np.int64)
+        floor.bridges.add(points[floor.grid.bridge(columns)])
         floor.bridges.refresh()
-        new = floor.bridges.arrays.keys[known : len(floor.bridges)]
-        floor.grid.change(self._layers.columns(new), navigable=1, obstacles=0)
 
     def _make_view(self) -> MapView:
         scene = self._scene.cloud()
         objects = {label: cloud.cloud() for label, cloud in self._objects.items()}
         if self._floor is None:
             nothing = VoxelCloud(self.config.r_pcd).cloud()
-            grid = FloorGrid(self.config.r_g, self.config.min_obstacle_voxels).snapshot()
+            grid = self._empty_grid().snapshot()
             return MapView(
                 scene=scene,
                 objects=MappingProxyType(objects),
@@ -254,7 +253,7 @@ class SemanticMap:
             scene=scene,
             objects=MappingProxyType(objects),
             navigable=self._navigable(floor, scene),
-            obstacles=_rows(scene, self._layers.obstacles(floor)),
+            obstacles=_rows((scene, self._layers.obstacles(floor))),
             frontiers=frozen(np.hstack([frontier_xy, frontier_z])),
             frontier_labels=frozen(frontier_labels),
             grid=floor.grid.snapshot(),
@@ -265,17 +264,23 @@ class SemanticMap:
     def _navigable(self, floor: Floor, scene: PointCloud) -> PointCloud:
         """M_nav: the observed voxels, then the bridges where nothing was observed."""
         bridges = floor.bridges.cloud()
-        keys = floor.bridges.arrays.keys[: len(bridges)]
-        unseen = np.flatnonzero(~self._layers.observed_navigable(keys, floor))
-        observed, bridging = _rows(scene, self._layers.navigable(floor)), _rows(bridges, unseen)
-        return PointCloud(
-            frozen(np.concatenate([observed.points, bridging.points])),
-            frozen(np.concatenate([observed.colors, bridging.colors])),
-            frozen(np.concatenate([observed.counts, bridging.counts])),
-        )
+        columns = columns_of(floor.bridges.arrays.keys[: len(bridges)])
+        gaps = np.flatnonzero(~floor.grid.observed(columns))
+        return _rows((scene, self._layers.navigable(floor)), (bridges, gaps))
 
 
-def _rows(cloud: PointCloud, rows: NDArray[np.int64]) -> PointCloud:
-    return PointCloud(
-        frozen(cloud.points[rows]), frozen(cloud.colors[rows]), frozen(cloud.counts[rows])
-    )
+def _rows(*parts: tuple[PointCloud, NDArray[np.int64]]) -> PointCloud:
+    """Chosen rows of clouds, one cloud after the other."""
+    total = sum(len(rows) for _, rows in parts)
+    points = np.empty((total, 3), np.float32)
+    colors = np.empty((total, 3), np.uint8)
+    counts = np.empty(total, np.int32)
+    start = 0
+    for cloud, rows in parts:
+        chosen = slice(start, start + len(rows))
+        # With mode "clip" NumPy writes straight into `out`; the rows are all valid.
+        np.take(cloud.points, rows, axis=0, out=points[chosen], mode="clip")
+        np.take(cloud.colors, rows, axis=0, out=colors[chosen], mode="clip")
+        np.take(cloud.counts, rows, out=counts[chosen], mode="clip")
+        start += len(rows)
+    return PointCloud(frozen(points), frozen(colors), frozen(counts))

@@ -166,18 +166,16 @@ def frozen(array: NDArray[Scalar]) -> NDArray[Scalar]:
     return view
 
 
-def pack_points(points: NDArray[np.float64], resolution: float) -> NDArray[np.int64]:
-    """(N,) keys of the voxels that (N, 3) points within reach fall into."""
-    x, y, z = (np.floor(points / resolution).astype(np.int64) + AXIS_OFFSET).T
-    keys: NDArray[np.int64] = (x << (2 * AXIS_BITS)) | (y << AXIS_BITS) | z
-    return keys
-
-
 def unpack_keys(keys: NDArray[np.int64]) -> NDArray[np.int64]:
     """(N, 3) integer voxel coordinates of (N,) keys."""
     shifts = np.array([2 * AXIS_BITS, AXIS_BITS, 0])
     coordinates: NDArray[np.int64] = ((keys[:, None] >> shifts) & AXIS_MASK) - AXIS_OFFSET
     return coordinates
+
+
+def columns_of(keys: NDArray[np.int64]) -> NDArray[np.int64]:
+    """(N, 2) integer x and y of the voxels of (N,) keys."""
+    return unpack_keys(keys)[:, :2]
 
 
 def _allocate(capacity: int) -> VoxelArrays:
