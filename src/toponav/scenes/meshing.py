@@ -20,6 +20,9 @@ from toponav.scenes.house import House, HouseObject, Level
 from toponav.scenes.mesh import Scene, SceneEpisode, SceneMesh
 from toponav.scenes.validation import validate_house
 
+SET_CATEGORIES = frozenset({"chair", "nightstand", "stool"})
+"""Of these, pieces of one size are a set: the chairs around a table look alike."""
+
 
 def build_scene(house: House, base_dir: Path | None = None) -> Scene:
     """Build walls, floors, stairs and furniture.
@@ -41,7 +44,8 @@ def build_scene(house: House, base_dir: Path | None = None) -> Scene:
     for level in house.levels:
         for item in level.objects:
             if item.mesh is None:
-                _add_object(soup, item, build_furniture(item.category, item.size, _seed(item.id)))
+                piece = build_furniture(item.category, item.size, _variant(house, item))
+                _add_object(soup, item, piece)
             else:
                 if item.mesh not in meshes:
                     meshes[item.mesh] = _load_mesh(item, item.mesh, base_dir)
@@ -88,6 +92,13 @@ def _opens_ceiling(well: Stairwell, level: Level) -> bool:
     """Whether the slab of a stairwell is the one above a level."""
     ceiling = level.floor + max(room.height for room in level.rooms)
     return level.floor < well.floor and ceiling >= well.underside
+
+
+def _variant(house: House, item: HouseObject) -> int:
+    """The style of an object: its own, or that of its set."""
+    if canonical(item.category) in SET_CATEGORIES:
+        return _seed(house.name, item.category, str(item.size))
+    return _seed(house.name, item.id)
 
 
 def _seed(*names: str) -> int:

@@ -23,8 +23,6 @@ COARSE_PX = 64
 FINE_PX = 128
 """Side of textures whose lines must stay thin: boards, bricks, pictures."""
 
-_ITALIC_SHEAR = 0.35
-
 
 @dataclass(frozen=True, eq=False)
 class Surface:
@@ -103,10 +101,10 @@ def tiles(color: Rgb, tile_m: float = 0.3, seed: int = 0, second: Rgb | None = N
             if second is not None and (row + column) % 2:
                 image[block] += np.subtract(second, color)
             image[block] += rng.normal(0.0, 3.0)
-    grout = np.mean(color) * 0.72
+    grout = np.mean(color) * 0.8
     for line in (0, half):
-        image[line : line + 2] = grout
-        image[:, line : line + 2] = grout
+        image[line : line + 3] = grout
+        image[:, line : line + 3] = grout
     return _surface("tiles", image, 2.0 * tile_m)
 
 
@@ -231,12 +229,16 @@ def artwork(seed: int = 0) -> Surface:
     i, j = np.indices((COARSE_PX, COARSE_PX))
     for _ in range(7):
         color = rng.integers(30, 235, size=3)
-        row, column, radius = rng.integers(0, COARSE_PX, size=2).tolist() + [rng.integers(6, 20)]
+        row, column = rng.integers(0, COARSE_PX, size=2)
+        radius = int(rng.integers(6, 20))
         if rng.random() < 0.5:
             image[(i - row) ** 2 + (j - column) ** 2 < radius**2] = color
         else:
-            image[np.abs(i - row + _ITALIC_SHEAR * (j - column)) < radius / 3.0] = color
+            image[np.abs(i - row + _STROKE_SLANT * (j - column)) < radius / 3.0] = color
     return _surface("artwork", image, 1.0)
+
+
+_STROKE_SLANT = 0.35
 
 
 def _landscape(rng: np.random.Generator) -> NDArray[np.float64]:

@@ -35,8 +35,8 @@ def toilet(size: Size, style: Style) -> list[Part]:
     bowl = [(0.5, 0.0), (0.56, 0.04), (0.5, 0.3 * rim), (0.62, 0.6 * rim), (0.95, 0.92 * rim),
             (0.97, rim)]  # fmt: skip
     inside = [(0.97, rim), (0.7, rim), (0.62, 0.8 * rim), (0.35, 0.62 * rim)]
-    seat = [(0.7, rim), (0.7, rim + 0.025), (0.76, rim + 0.035), (0.96, rim + 0.035), (1.0, rim + 0.02),
-            (1.0, rim)]  # fmt: skip
+    seat = [(0.7, rim), (0.7, rim + 0.025), (0.76, rim + 0.035), (0.96, rim + 0.035),
+            (1.0, rim + 0.02), (1.0, rim)]  # fmt: skip
     trim = CERAMIC if style.chance(0.6) else style.wood()
     parts = [
         lathe(bowl, CERAMIC, middle, half),

@@ -27,7 +27,7 @@ def bed(size: Size, style: Style) -> list[Part]:
     ]
     for foot_x in (-x + 0.06, x - 0.06):
         parts.append(box((foot_x - 0.04, -y + 0.02, 0.0), (foot_x + 0.04, -y + 0.1, rail), frame))
-    fold = y - 0.3 * sy
+    fold = y - 0.34 * sy
     drape = 0.75 * rail
     parts += [
         rounded_box((-x - 0.005, -y, drape), (x + 0.005, fold, top + 0.035), 0.04, blanket),
@@ -42,6 +42,6 @@ def bed(size: Size, style: Style) -> list[Part]:
         middle = (index - (count - 1) / 2.0) * sx / 2.0
         back = y - slab - 0.03
         low = (middle - width / 2.0, back - depth, top - 0.01)
-        high = (middle + width / 2.0, back, top + 0.13)
+        high = (middle + width / 2.0, back, top + 0.15)
         parts.append(rounded_box(low, high, 0.06, LINEN).turned("x", 14.0, (0.0, back, top)))
     return parts

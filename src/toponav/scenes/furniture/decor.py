@@ -107,7 +107,7 @@ def _tree_crown(size: Size, pot: float, style: Style) -> list[Part]:
         out = np.array([0.5 * sx * around * np.cos(angle), 0.5 * sy * around * np.sin(angle),
                         radius * height])  # fmt: skip
         depth = float(style.rng.uniform(0.45, 0.75))
-        start, end = depth * out, out + (0.0, 0.0, -0.12 * radius)
+        start, end = depth * out, out - np.array([0.0, 0.0, 0.12 * radius])
         points = [(float(p[0]), float(p[1]), float(p[2]) + middle)
                   for p in (start, 0.55 * start + 0.45 * end + (0.0, 0.0, 0.04), end)]  # fmt: skip
         across = (-np.sin(angle), np.cos(angle), 0.25)
@@ -124,7 +124,7 @@ def wall_picture(size: Size, style: Style) -> list[Part]:
     edge = min(0.04, 0.1 * min(sx, sz))
     frame = style.pick((wood((92, 60, 36)), paint((40, 40, 42)), paint((204, 172, 96))))
     motif = artwork(int(style.rng.integers(6)))
-    mount = 0.08 * min(sx, sz) if style.chance(0.6) else 0.0
+    margin = edge + (0.08 * min(sx, sz) if style.chance(0.6) else 0.0)
     face = -0.5 * y
     return [
         box((-x, -y, 0.0), (x, y, edge), frame),
@@ -132,9 +132,8 @@ def wall_picture(size: Size, style: Style) -> list[Part]:
         box((-x, -y, edge), (-x + edge, y, sz - edge), frame),
         box((x - edge, -y, edge), (x, y, sz - edge), frame),
         box((-x + edge, face, edge), (x - edge, y, sz - edge), paint((240, 238, 230))),
-        picture((0.0, face - 0.0005, sz / 2.0), sx - 2.0 * (edge + mount), sz - 2.0 * (edge + mount),
-                motif),
-    ]  # fmt: skip
+        picture((0.0, face - 0.0005, sz / 2.0), sx - 2.0 * margin, sz - 2.0 * margin, motif),
+    ]
 
 
 def lamp(size: Size, style: Style) -> list[Part]:
@@ -181,16 +180,18 @@ def fireplace(size: Size, style: Style) -> list[Part]:
         box((-x, -y, 0.0), (x, y - 0.03, 0.05), marble((150, 146, 142))),
         box((-x - 0.03, -y + 0.01, sz - mantel), (x + 0.03, y, sz), wood((96, 64, 40))),
     ]
-    for index, offset in enumerate((-0.3, 0.0, 0.3)):
+    flames = ((paint((240, 120, 30)), 0.22, 0.5), (paint((255, 214, 90)), 0.12, 0.32))
+    for index, middle in enumerate((-0.3 * inner, 0.0, 0.3 * inner)):
         z = 0.1 + 0.05 * (index % 2)
-        parts.append(
-            tube((offset * inner - 0.12, 0.0, z), (offset * inner + 0.14, 0.25 * y, z + 0.02), 0.045,
-                 wood((84, 58, 40)))
-        )  # fmt: skip
-        for color, width, height in (((240, 120, 30), 0.22, 0.5), ((255, 214, 90), 0.12, 0.32)):
-            tongue = [(offset * inner, 0.1 * y - 0.4 * width, 0.1), (offset * inner, 0.1 * y, 0.3 * opening),
-                      (offset * inner + 0.03, 0.1 * y, height * opening + 0.1)]  # fmt: skip
-            parts.append(blade(tongue, (width, 0.8 * width, 0.0), (1.0, 0.0, 0.0), paint(color)))
+        log = ((middle - 0.12, 0.0, z), (middle + 0.14, 0.25 * y, z + 0.02))
+        parts.append(tube(*log, 0.045, wood((84, 58, 40))))
+        for color, width, height in flames:
+            tongue = [
+                (middle, 0.1 * y - 0.4 * width, 0.1),
+                (middle, 0.1 * y, 0.3 * opening),
+                (middle + 0.03, 0.1 * y, height * opening + 0.1),
+            ]
+            parts.append(blade(tongue, (width, 0.8 * width, 0.0), (1.0, 0.0, 0.0), color))
     return parts
 
 

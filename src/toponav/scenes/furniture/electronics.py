@@ -28,9 +28,13 @@ def tv_monitor(size: Size, style: Style) -> list[Part]:
     front = -min(thin, 0.3 * sy) if on_stand else -y
     parts = [
         rounded_box((-x, front, low), (x, front + thin, sz), 0.006, DARK),
-        picture((0.0, front - 0.001, (low + sz) / 2.0), sx - 2.0 * BEZEL_M, sz - low - 2.0 * BEZEL_M,
-                image(style.texture_seed)),
-    ]  # fmt: skip
+        picture(
+            (0.0, front - 0.001, (low + sz) / 2.0),
+            sx - 2.0 * BEZEL_M,
+            sz - low - 2.0 * BEZEL_M,
+            image(style.texture_seed),
+        ),
+    ]
     if not on_stand:
         parts.append(box((-0.3 * x, front + thin, 0.3 * sz), (0.3 * x, y, 0.7 * sz), BLACK_STEEL))
     elif is_monitor:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from toponav.scenes.furniture.primitives import (
@@ -17,6 +19,8 @@ from toponav.scenes.furniture.style import BLACK_STEEL, CHROME, DARK, STEEL, WHI
 from toponav.scenes.textures import Surface, paint
 
 RUBBER = paint((36, 36, 38))
+HEADLIGHT = paint((250, 246, 220))
+TAIL_LIGHT = paint((200, 20, 20))
 
 
 def piano(size: Size, style: Style) -> list[Part]:
@@ -126,8 +130,8 @@ def bicycle(size: Size, style: Style) -> list[Part]:
         (0.42 * x, 0.0, 0.82 * sz),
     )
     parts = [*_wheel(rear, radius), *_wheel(front, radius)]
-    for start, end in ((rear, crank), (rear, saddle), (crank, saddle), (crank, head), (saddle, head),
-                       (head, front)):  # fmt: skip
+    frame = [(rear, crank), (rear, saddle), (crank, saddle), (crank, head), (saddle, head)]
+    for start, end in (*frame, (head, front)):
         parts.append(tube(start, end, 0.018, paintwork))
     grip = (head[0] - 0.03, 0.0, sz - 0.02)
     parts += [
@@ -155,7 +159,7 @@ def _wheel(hub: tuple[float, float, float], radius: float) -> list[Part]:
         )
         for a in angles
     ]
-    tyre = [tube(a, b, 0.02, RUBBER, 4) for a, b in zip(rim, rim[1:], strict=False)]
+    tyre = [tube(a, b, 0.02, RUBBER, 4) for a, b in pairwise(rim)]
     spokes = [tube(rim[k], rim[k + 6], 0.005, STEEL, 3) for k in (0, 2, 4)]
     return tyre + spokes
 
@@ -168,34 +172,27 @@ def car(size: Size, style: Style) -> list[Part]:
     x, y = sx / 2.0, sy / 2.0
     body = paint(style.pick(((176, 36, 40), (40, 74, 130), (206, 208, 212), (70, 74, 80))))
     glass = paint((70, 88, 102))
-    waist, sill = 0.56 * sz, 0.16 * sz
-    lower = [
-        (-y, sill),
-        (y, sill),
-        (y, waist),
-        (-0.3 * y, waist),
-        (-0.95 * y, 0.46 * sz),
-        (-y, 0.4 * sz),
-    ]
+    waist, sill, roof = 0.56 * sz, 0.16 * sz, sz - 0.06
+    hood = [(-0.3 * y, waist), (-0.95 * y, 0.46 * sz), (-y, 0.4 * sz)]
+    lower = [(-y, sill), (y, sill), (y, waist), *hood]
     cabin = [(-0.42 * y, waist), (0.96 * y, waist), (0.7 * y, sz), (-0.1 * y, sz)]
-    window = [
+    sides = [
         (-0.36 * y, waist + 0.02),
         (0.88 * y, waist + 0.02),
-        (0.68 * y, sz - 0.06),
-        (-0.1 * y, sz - 0.06),
+        (0.68 * y, roof),
+        (-0.1 * y, roof),
     ]
+    screen = [(-0.43 * y, waist), (-0.4 * y, waist), (-0.1 * y, roof), (-0.13 * y, roof)]
     parts = [
         extruded(lower, -x, x, body),
         extruded(cabin, -0.86 * x, 0.86 * x, body),
-        extruded(window, -0.88 * x, 0.88 * x, glass),
-        extruded([(-0.43 * y, waist), (-0.4 * y, waist), (-0.1 * y, sz - 0.05), (-0.13 * y, sz - 0.05)],
-                 -0.78 * x, 0.78 * x, glass),
-        box((-0.9 * x, -y - 0.01, 0.3 * sz), (-0.55 * x, -y + 0.02, 0.38 * sz), paint((250, 246, 220))),
-        box((0.55 * x, -y - 0.01, 0.3 * sz), (0.9 * x, -y + 0.02, 0.38 * sz), paint((250, 246, 220))),
+        extruded(sides, -0.88 * x, 0.88 * x, glass),
+        extruded(screen, -0.78 * x, 0.78 * x, glass),
         box((-0.4 * x, -y - 0.01, 0.2 * sz), (0.4 * x, -y + 0.02, 0.34 * sz), DARK),
-        box((-0.9 * x, y - 0.02, 0.4 * sz), (-0.6 * x, y + 0.01, 0.5 * sz), paint((200, 20, 20))),
-        box((0.6 * x, y - 0.02, 0.4 * sz), (0.9 * x, y + 0.01, 0.5 * sz), paint((200, 20, 20))),
-    ]  # fmt: skip
+    ]
+    for low, high in ((-0.9 * x, -0.55 * x), (0.55 * x, 0.9 * x)):
+        parts.append(box((low, -y - 0.01, 0.3 * sz), (high, -y + 0.02, 0.38 * sz), HEADLIGHT))
+        parts.append(box((low, y - 0.02, 0.4 * sz), (high, y + 0.01, 0.5 * sz), TAIL_LIGHT))
     radius = 0.21 * sz
     for axle in (-0.62 * y, 0.62 * y):
         for side in (-1.0, 1.0):

@@ -59,7 +59,7 @@ def triangles(corners: ArrayLike, surface: Surface) -> Part:
 
 
 def quads(corners: ArrayLike, surface: Surface) -> Part:
-    """(Q, 4, 3) planar quads as a part, textured as `triangles`; those without area are left out."""
+    """(Q, 4, 3) planar quads as a part, textured as `triangles`, without those of no area."""
     return triangles(_solid_triangles(_quads(np.asarray(corners, np.float64))), surface)
 
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
+from numpy.typing import NDArray
 
 from toponav.scenes.furniture.primitives import (
     Part,
@@ -16,7 +19,7 @@ from toponav.scenes.furniture.primitives import (
 )
 from toponav.scenes.furniture.shape import Size
 from toponav.scenes.furniture.style import BLACK_STEEL, CHROME, DARK, Style
-from toponav.scenes.textures import Surface
+from toponav.scenes.textures import Surface, fabric
 
 SEAT_HEIGHT_M = 0.45
 """Of chairs and benches."""
@@ -24,7 +27,7 @@ SEAT_HEIGHT_M = 0.45
 ARMCHAIR_WIDTH_M = 0.68
 """A wider and deeper chair is upholstered."""
 
-OFFICE_CHAIR_SHARE = 0.3
+OFFICE_CHAIR_SHARE = 0.25
 """Of the chairs that are high enough for a column and castors."""
 
 
@@ -33,7 +36,7 @@ def chair(size: Size, style: Style) -> list[Part]:
     sx, sy, sz = size
     if min(sx, sy) >= ARMCHAIR_WIDTH_M:
         return _upholstered(size, style.fabric(), seats=1)
-    if sz >= 0.8 and min(sx, sy) >= 0.5 and style.chance(OFFICE_CHAIR_SHARE):
+    if sz >= 0.8 and min(sx, sy) >= 0.44 and style.chance(OFFICE_CHAIR_SHARE):
         return _office_chair(size, style)
     return _dining_chair(size, style)
 
@@ -191,23 +194,33 @@ def seating(size: Size, style: Style) -> list[Part]:
 
 
 def cushion(size: Size, style: Style) -> list[Part]:
-    """A pillow, plump in the middle and thin at its seams; flat, or upright when it is high."""
-    sx, sy, sz = size
-    cover = style.fabric()
-    thin = min(range(3), key=lambda axis: size[axis])
+    """A pillow with pinched sides and a seam, plump in the middle; its least extent is through."""
+    cover, seam = style.fabric(), fabric((236, 230, 214))
+    through = min(range(3), key=lambda axis: size[axis])
+    # Cyclic, so that triangles keep their orientation.
+    order = [(2 - through) % 3, (3 - through) % 3, (4 - through) % 3]
     levels = np.linspace(-1.0, 1.0, 9)
-    bulge = np.sqrt(np.maximum(1.0 - levels**2, 0.0))
-    thickness = np.minimum.outer(bulge, bulge) * 0.9 + 0.1
-    thickness[[0, -1]], thickness[:, [0, -1]] = 0.04, 0.04
-    grid = np.stack([*np.meshgrid(levels, levels, indexing="ij"), thickness], axis=-1)
-    faces = []
+    u, v = np.meshgrid(levels, levels, indexing="ij")
+    plump = np.sqrt((1.0 - u**2) * (1.0 - v**2)) ** 0.8
+    pinched = np.stack([u * (1.0 - 0.12 * (1.0 - v**2)), v * (1.0 - 0.12 * (1.0 - u**2))], axis=-1)
+    outline = np.concatenate(
+        [pinched[:, 0], pinched[-1, 1:], pinched[-2::-1, -1], pinched[0, -2::-1]]
+    )
+
+    def placed(points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Points of the cushion lying flat in (-1, 1), in its own frame."""
+        return 0.5 * points[..., order] * size + (0.0, 0.0, size[2] / 2.0)
+
+    parts = []
     for side in (1.0, -1.0):
-        points = grid * (0.5, 0.5, 0.5 * side)
-        patches = np.stack(
-            [points[:-1, :-1], points[1:, :-1], points[1:, 1:], points[:-1, 1:]], axis=2
-        ).reshape(-1, 4, 3)
-        faces.append(patches if side > 0.0 else patches[:, ::-1])
-    corners = np.concatenate(faces)
-    order = {0: [2, 0, 1], 1: [1, 2, 0], 2: [0, 1, 2]}[thin]
-    corners = corners[..., order] * size + (0.0, 0.0, sz / 2.0)
-    return [quads(corners, cover)]
+        grid = placed(np.concatenate([pinched, side * plump[..., None]], axis=-1))
+        patches = np.stack([grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]], axis=2)
+        patches = patches.reshape(-1, 4, 3)
+        parts.append(quads(patches if side > 0.0 else patches[:, ::-1], cover))
+    rims = [
+        placed(np.column_stack([factor * outline, np.full(len(outline), height)]))
+        for factor, height in ((0.99, -0.05), (1.02, 0.0), (0.99, 0.05))
+    ]
+    for lower, upper in pairwise(rims):
+        parts.append(quads(np.stack([lower[:-1], lower[1:], upper[1:], upper[:-1]], axis=1), seam))
+    return parts
