@@ -13,19 +13,17 @@ from toponav.cli.options import JsonFlag
 
 @dataclass(frozen=True)
 class Map:
-    """Build map and memory from posed RGB-D images.
+    """Build the map and the memory of a recording of posed RGB-D images.
 
-    Writes each cloud as PLY, the memory, the path and a top-down picture.
+    Writes every cloud as PLY, the memory, and top-down pictures of the map and of its colours.
     """
 
     recording: tyro.conf.Positional[Path]
-    """Folder of frame-*.color, .depth and .pose files (7-Scenes layout)."""
+    """Folder of frame-*.color, .depth and .pose files (the 7-Scenes layout)."""
 
     world: Literal["z-up", "y-up", "y-down"] | None = None
-    """Which way the poses' world points; by default what recording.json says, else z up."""
-
-    every: int = 1
-    """Take every n-th frame."""
+    """Which way the world of the poses points; by default what recording.json says, else told
+    from the images."""
 
     out: Path = Path("runs/map")
     """Folder for the results."""
@@ -34,8 +32,43 @@ class Map:
     """Print the counts as one JSON object on stdout."""
 
     def run(self) -> None:
-        """Map the recording and write what came of it."""
+        """Integrate all frames and write what came of it."""
         from toponav.cli.console import Output
-        from toponav.cli.map_recording import write_map
+        from toponav.cli.options import fresh_folder
+        from toponav.envs.recording import open_recording
+        from toponav.evaluation.mapping_run import map_recording, write_clouds
+        from toponav.memory.serialization import save_memory
+        from toponav.viz.topdown import TopDownPicture, save_topdown
+        from toponav.viz.topdown_colors import save_topdown_colors
 
-        write_map(self.recording, self.world, self.every, self.out, Output(self.json))
+        output = Output(self.json)
+        recording = open_recording(self.recording, self.world)
+        folder = fresh_folder(self.out)
+
+        def report(done: int, total: int) -> None:
+            if done % 20 == 0 or done == total:
+                output.say(f"{done} of {total} frames")
+
+        run = map_recording(recording, progress=report)
+        write_clouds(run.view, folder)
+        save_memory(run.memory, folder / "memory.json")
+        title = f"{self.recording.resolve().name}: {len(run.trajectory)} frames"
+        picture = TopDownPicture(run.view, run.trajectory, run.memory, title=title)
+        save_topdown(picture, folder / "topdown.png")
+        save_topdown_colors(run.view, folder / "colors.png")
+        counts = {
+            "frames": len(run.trajectory),
+            "scene": len(run.view.scene),
+            "navigable": len(run.view.navigable),
+            "obstacles": len(run.view.obstacles),
+            "frontiers": len(run.view.frontiers),
+            "objects": {name: len(cloud) for name, cloud in run.view.objects.items()},
+            "nodes": len(run.memory.nodes),
+            "floor_z": run.view.floor_z,
+            "map_bytes": run.map_bytes,
+        }
+        line = (
+            f"M_scene {counts['scene']}, M_nav {counts['navigable']}, M_obs {counts['obstacles']}, "
+            f"M_fro {counts['frontiers']} points, {counts['nodes']} nodes; written to {folder}"
+        )
+        output.result(line, {**counts, "out": str(folder)})

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from toponav.config import config_json
-from toponav.errors import InputError
+from toponav.errors import EpisodeError, InputError
 from toponav.evaluation.metrics import BENCHMARK_RADIUS_M
 from toponav.evaluation.results import (
     EpisodeResult,
@@ -16,6 +17,7 @@ from toponav.evaluation.results import (
     summarize,
     to_json,
 )
+from toponav.evaluation.rollout import EpisodeSpec, Rollout
 from toponav.evaluation.run_config import RunConfig
 from toponav.evaluation.runner import SceneRunner
 from toponav.files import append_line, write_atomic
@@ -58,7 +60,7 @@ def evaluate(
     for number, spec in enumerate(scenes):
         runner = SceneRunner(load_scene(spec, labels), config)
         for episode in runner.episodes(_share(episodes, number, len(scenes))):
-            result = runner.run(episode)
+            result = _run(runner, episode)
             append_line(results_path, to_json(result))
             results.append(result)
             on_result(len(results), episodes, result)
@@ -72,6 +74,15 @@ def evaluate(
     }
     write_atomic(folder / "summary.json", json.dumps(json_ready(summary), indent=2) + "\n")
     return summary
+
+
+def _run(runner: SceneRunner, episode: EpisodeSpec) -> EpisodeResult:
+    """Run an episode; one that its scene cannot host is a failed result that says why."""
+    try:
+        return runner.run(episode)
+    except EpisodeError as error:
+        impossible = Rollout(math.inf, False, ended=f"error: {error}", distance_to_goal=math.inf)
+        return runner.scored(episode, impossible, decisions=0)
 
 
 def _share(total: int | None, number: int, scenes: int) -> int | None:

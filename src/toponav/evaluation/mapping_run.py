@@ -16,7 +16,7 @@ from toponav.mapping.ply import write_ply
 from toponav.mapping.semantic_map import SemanticMap
 from toponav.mapping.view import MapView, PointCloud
 from toponav.memory.builder import MemoryBuilder
-from toponav.memory.snapshot import MemorySnapshot
+from toponav.memory.graph import TopologicalMemory
 from toponav.perception.base import Detector
 from toponav.types import Detections
 
@@ -34,13 +34,13 @@ class MappingRun:
 
     Attributes:
         view: The map after the last frame, on the floor of that frame.
-        memory: Nodes along the path, seen from the last one.
+        memory: Nodes along the path.
         trajectory: (T, 3) foot points, metres.
         map_bytes: Memory that the map held, bytes.
     """
 
     view: MapView
-    memory: MemorySnapshot
+    memory: TopologicalMemory
     trajectory: NDArray[np.float64]
     map_bytes: int
 
@@ -65,7 +65,7 @@ def map_recording(
     config = config or NavigatorConfig()
     semantic_map, memory = SemanticMap(config.map), MemoryBuilder(config.memory)
     trajectory: list[NDArray[np.float64]] = []
-    since_node, node = np.inf, 0
+    since_node = np.inf
     for index, observation in enumerate(recording):
         if detector is None:
             detections = Detections.empty(*observation.depth.shape)
@@ -79,12 +79,13 @@ def map_recording(
         if since_node >= NODE_SPACING_M:
             travelled = 0.0 if index == 0 else since_node
             place = (float(foot[0]), float(foot[1]))
-            node, since_node = memory.arrive(place, semantic_map.view(), travelled), 0.0
+            memory.arrive(place, semantic_map.view(), travelled)
+            since_node = 0.0
         if progress is not None:
             progress(index + 1, len(recording))
     view = semantic_map.view()
     memory.refresh(view)
-    return MappingRun(view, memory.snapshot(node), np.array(trajectory), semantic_map.nbytes)
+    return MappingRun(view, memory.memory, np.array(trajectory), semantic_map.nbytes)
 
 
 def write_clouds(view: MapView, folder: Path) -> dict[str, Path]:

@@ -11,7 +11,7 @@ import numpy as np
 from toponav.config import config_sha
 from toponav.envs.simulator import HouseEnv
 from toponav.evaluation.results import EpisodeResult
-from toponav.evaluation.rollout import EpisodeSpec, StepObserver, roll_out
+from toponav.evaluation.rollout import EpisodeSpec, Rollout, StepObserver, roll_out
 from toponav.evaluation.run_config import RunConfig
 from toponav.mapping.view import MapView
 from toponav.memory.graph import TopologicalMemory
@@ -94,4 +94,8 @@ class SceneRunner:
             outcome = roll_out(self.env, agent, spec, observers)
         finally:
             agent.close()
-        return outcome.scored(spec, self.config.method, counter.count, self._sha)
+        return self.scored(spec, outcome, counter.count)
+
+    def scored(self, spec: EpisodeSpec, rollout: Rollout, decisions: int) -> EpisodeResult:
+        """The result record of an episode of this run."""
+        return rollout.scored(spec, self.config.method, decisions, self._sha)

@@ -11,7 +11,7 @@ from shapely.ops import unary_union
 from toponav.categories import HM3D_TARGETS, MP3D_TARGETS, canonical
 from toponav.scenes.building.surfaces import polygons
 from toponav.scenes.house import House, HouseEpisode, Level
-from toponav.scenes.room_space import rectangle
+from toponav.scenes.room_space import rectangle, stairs_areas
 
 START_CLEARANCE_M = 0.35
 """Starts keep this far from walls and furniture."""
@@ -58,11 +58,15 @@ def _episode(
     levels = [k for k, has in enumerate(targets) if (name in has) != apart]
     if not levels or (apart and len(levels) == len(house.levels)):
         return None
-    level = house.levels[levels[int(rng.integers(len(levels)))]]
+    index = levels[int(rng.integers(len(levels)))]
+    level = house.levels[index]
     instances = [
         np.array(item.position[:2]) for item in level.objects if canonical(item.category) == name
     ]
-    free = [part for room in level.rooms for part in _free_floor(Polygon(room.polygon), level)]
+    stairs = stairs_areas(house.stairs, index)
+    free = [
+        part for room in level.rooms for part in _free_floor(Polygon(room.polygon), level, stairs)
+    ]
     if not free:
         return None
     areas = np.array([part.area for part in free])
@@ -86,13 +90,13 @@ def _episode(
     return HouseEpisode(target=name, start=(x, y, level.floor), yaw=yaw)
 
 
-def _free_floor(room: Polygon, level: Level) -> list[Polygon]:
+def _free_floor(room: Polygon, level: Level, stairs: list[Polygon]) -> list[Polygon]:
     """Where in a room somebody can stand, with some elbow room."""
     things = [
         rectangle(np.array(item.position[:2]), item.yaw, item.size[0], item.size[1])
         for item in level.objects
         if item.position[2] < level.floor + 1.0 and item.size[2] > 0.1
     ]
-    taken = unary_union(things).buffer(START_CLEARANCE_M)
+    taken = unary_union([*things, *stairs]).buffer(START_CLEARANCE_M)
     inside = room.buffer(-START_CLEARANCE_M, join_style="mitre")
     return polygons(inside.difference(taken))

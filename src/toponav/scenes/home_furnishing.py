@@ -6,20 +6,14 @@ from collections.abc import Collection
 from zlib import crc32
 
 import numpy as np
-from shapely import LineString, Polygon
 
 from toponav.scenes.episodes import sample_episodes
 from toponav.scenes.furnish import furnish_room
-from toponav.scenes.house import House, HouseObject, Stairs
+from toponav.scenes.house import House, HouseObject
+from toponav.scenes.room_space import stairs_areas
 
 EPISODES_PER_HOME = 2
 """Episodes of a home that brings none."""
-
-LANDING_M = 1.0
-"""Floor that stays empty at either end of a flight."""
-
-SIDE_M = 0.1
-"""Floor that stays empty on either side of a flight, for its railing."""
 
 
 def furnished(house: House, seed: int, bare_types: Collection[str] = ()) -> House:
@@ -32,7 +26,7 @@ def furnished(house: House, seed: int, bare_types: Collection[str] = ()) -> Hous
     """
     levels = []
     for index, level in enumerate(house.levels):
-        keep_clear = [stairs_area(s, index) for s in house.stairs if index in _levels_of(s)]
+        keep_clear = stairs_areas(house.stairs, index)
         objects: list[HouseObject] = []
         for number, room in enumerate(level.rooms):
             if room.type not in bare_types:
@@ -48,20 +42,6 @@ def with_episodes(house: House, seed: int) -> House:
     rng = np.random.default_rng([_name_seed(house), seed])
     episodes = sample_episodes(house, rng, EPISODES_PER_HOME)
     return house.model_copy(update={"episodes": episodes})
-
-
-def stairs_area(stairs: Stairs, level: int) -> Polygon:
-    """The flight and its landing on one of its two levels."""
-    near, far = np.array(stairs.start), np.array(stairs.end)
-    if level == stairs.to_level:
-        near, far = far, near
-    landing = near + (near - far) / np.linalg.norm(near - far) * LANDING_M
-    area: Polygon = LineString([landing, far]).buffer(stairs.width / 2.0 + SIDE_M, cap_style="flat")
-    return area
-
-
-def _levels_of(stairs: Stairs) -> tuple[int, int]:
-    return stairs.from_level, stairs.to_level
 
 
 def _name_seed(house: House) -> int:

@@ -15,7 +15,7 @@ from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
 from toponav.scenes.building.surfaces import polygons
-from toponav.scenes.house import Opening
+from toponav.scenes.house import Opening, Stairs
 
 WALL_GAP_M = 0.08
 """Half a wall and a finger's breadth: how far furniture stays from the room's outline."""
@@ -27,6 +27,10 @@ DOOR_MARGIN_M = 0.12
 """Floor that stays free on each side of an opening."""
 REACH_M = 0.55
 """How near a passage must come to a thing that may be searched for."""
+STAIRS_LANDING_M = 1.0
+"""Floor that stays free at either end of a flight."""
+STAIRS_SIDE_M = 0.1
+"""Floor that stays free on either side of a flight, for its railing."""
 MAX_DOOR_DISTANCE_M = 0.8
 """An opening this far from a room's outline is not one of this room's."""
 
@@ -157,3 +161,18 @@ def rectangle(
         [center - along - across, center + along - across, center + along + across,
          center - along + across]
     )  # fmt: skip
+
+
+def stairs_areas(stairs: Sequence[Stairs], level: int) -> list[Polygon]:
+    """The flights that touch a level, each with its landing there."""
+    areas = []
+    for flight in stairs:
+        near, far = np.array(flight.start), np.array(flight.end)
+        if level == flight.to_level:
+            near, far = far, near
+        elif level != flight.from_level:
+            continue
+        landing = near + (near - far) / np.linalg.norm(near - far) * STAIRS_LANDING_M
+        half = flight.width / 2.0 + STAIRS_SIDE_M
+        areas.append(LineString([landing, far]).buffer(half, cap_style="flat"))
+    return areas
