@@ -15,7 +15,7 @@ from recorded_hall import CAMERA, CAMERA_HEIGHT, FLOOR_Z, camera_pose, hall_dept
 from shared_data import shared_data
 from toponav.envs.leveling import SurfacePatches, estimate_floor, estimate_up, leveling_rotation
 from toponav.envs.recording import WORLD_FROM_AXES, Recording, WorldAxes, open_recording
-from toponav.errors import RecordingError
+from toponav.errors import InputError, RecordingError
 from toponav.geometry import Pose
 
 
@@ -68,6 +68,16 @@ def test_observations_hold_what_was_recorded(recording: Path) -> None:
     )
     assert observation.world_from_base.yaw == pytest.approx(0.2)
     assert len(list(opened)) == 6
+
+
+def test_a_thinned_recording_keeps_every_nth_frame(recording: Path) -> None:
+    opened = open_recording(recording)
+    thinned = opened.every(4)
+    assert [frame.number for frame in thinned.frames] == [0, 40]
+    assert thinned.observation(1).rgb[0, 0, 0] == 4
+    assert thinned.floor_z == opened.floor_z
+    with pytest.raises(InputError, match="at least 1"):
+        opened.every(0)
 
 
 def test_a_camera_that_looks_straight_down_heads_where_its_upper_edge_points(

@@ -17,7 +17,7 @@ import math
 import re
 import zlib
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
@@ -134,6 +134,16 @@ class Recording:
 
     def __iter__(self) -> Iterator[Observation]:
         return (self.observation(index) for index in range(len(self)))
+
+    def every(self, n: int) -> Recording:
+        """The recording thinned to its first frame and every n-th after it.
+
+        Raises:
+            InputError: n is not positive.
+        """
+        if n < 1:
+            raise InputError(f"every n-th frame: n is at least 1, not {n}")
+        return replace(self, frames=self.frames[::n], poses=self.poses[::n])
 
     def observation(self, index: int) -> Observation:
         """Read one frame.

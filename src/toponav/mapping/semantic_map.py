@@ -173,7 +173,8 @@ class SemanticMap:
         labels = np.array(detections.labels, dtype=np.str_)
         for label in dict.fromkeys(detections.labels):
             cloud = self._objects.get(label, VoxelCloud(self.config.r_pcd))
-            frame.into(cloud, detections.masks[labels == label].any(axis=0))
+            masks = detections.masks[labels == label]
+            frame.into(cloud, masks[0] if len(masks) == 1 else masks.any(axis=0))
             touched = cloud.refresh()
             if not len(touched):
                 continue
