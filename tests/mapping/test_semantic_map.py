@@ -157,6 +157,14 @@ def test_a_camera_beyond_the_maps_reach_is_refused() -> None:
         SemanticMap().integrate(observation, nothing_seen(observation))
 
 
+def test_a_pose_that_jumps_across_the_country_is_refused() -> None:
+    semantic_map = SemanticMap()
+    here, far = observe(floor_depth()), observe(floor_depth(), foot=(9000.0, 8000.0, 0.0))
+    semantic_map.integrate(here, nothing_seen(here))
+    with pytest.raises(ObservationError, match="check the poses for a jump"):
+        semantic_map.integrate(far, nothing_seen(far))
+
+
 def test_obstacles_win_over_the_floor_and_end_over_the_agents_head() -> None:
     """A wall at 2 m seen level: its cells are occupied, though its foot lies in the floor band."""
     observation = observe(floor_depth(pitch_down=0.0, wall_distance=2.02))

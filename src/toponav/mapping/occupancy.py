@@ -8,12 +8,16 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from toponav.errors import ObservationError
 from toponav.mapping.view import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 
 Scalar = TypeVar("Scalar", bound=np.generic)
 
 GROWTH_CELLS = 64
 """Margin by which the storage outgrows its contents, so that it is seldom copied."""
+
+MAX_CELLS = 1 << 24
+"""Largest storage: 400 m x 400 m of 0.1 m cells, 250 MB; beyond it lies a broken pose."""
 
 Box = tuple[int, int, int, int]
 """(i_first, j_first, i_end, j_end) in storage cells, ends exclusive."""
@@ -163,14 +167,14 @@ class FloorGrid:
         new_end = np.where(high >= end, high + 1 + GROWTH_CELLS, end)
         shape = tuple(int(n) for n in new_end - new_first)
         shift = (int(first[0] - new_first[0]), int(first[1] - new_first[1]))
+        if shape[0] * shape[1] > MAX_CELLS:
+            raise ObservationError(
+                f"the map of one floor would span {shape[0] * self.resolution:.0f} x "
+                f"{shape[1] * self.resolution:.0f} m: check the poses for a jump"
+            )
         step = self._columns_per_cell
-        column_shape, column_shift = (
-            (shape[0] * step, shape[1] * step),
-            (
-                shift[0] * step,
-                shift[1] * step,
-            ),
-        )
+        column_shape = (shape[0] * step, shape[1] * step)
+        column_shift = (shift[0] * step, shift[1] * step)
         self._navigable = embedded(self._navigable, column_shape, column_shift)
         self._bridged = embedded(self._bridged, column_shape, column_shift)
         self._obstacles = embedded(self._obstacles, shape, shift)

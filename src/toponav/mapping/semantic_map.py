@@ -1,4 +1,16 @@
-"""The semantic point cloud map, built frame by frame (Section III-C)."""
+"""The semantic point cloud map M_scene, M_obj, M_nav, M_obs, M_fro, frame by frame (Section III-C).
+
+Where the paper is silent, or where it is departed from:
+
+- z_floor is the height of the agent's foot point where it entered the floor; every floor has its
+  own M_nav, M_obs, G and M_fro (`floors`).
+- M_obs ends at `obstacle_top_m`, and voxels of C_nav (stairs) are never in it: else every lintel
+  would close its doorway, and every stair bar the way that it is.
+- The ground under the agent is navigable. Interpolated points only fill columns in which no floor
+  was observed (`interpolation`), and never move the centroid of an observed voxel.
+- A cell with points of both M_nav and M_obs is an obstacle.
+- A frontier point is the centre of its cell, not the corner (`frontiers`).
+"""
 
 from __future__ import annotations
 
@@ -46,8 +58,7 @@ class MapConfig(ConfigModel):
 
     obstacle_top_m: float = Field(default=1.0, gt=0.0)
     """Height over the floor from which on points are no obstacles: ceilings, lintels and lamps are
-    not in the way of an agent 0.88 m tall. (The paper's M_obs has no upper limit, with which every
-    doorway under a lintel would be closed.)"""
+    not in the way of an agent 0.88 m tall."""
 
     min_depth_m: float = Field(default=0.0, ge=0.0)
     """Depths at or under it are ignored, metres."""
@@ -138,11 +149,16 @@ class SemanticMap:
             ObservationError: The masks are not of the image's size, or the pose is out of reach.
         """
         config = self.config
+        if detections.masks.shape[1:] != observation.depth.shape:
+            raise ObservationError(
+                f"masks must be of the image's size {observation.depth.shape}, "
+                f"not {detections.masks.shape[1:]}"
+            )
         self._view = None
         window = DepthWindow(config.min_depth_m, config.max_depth_m, config.pixel_stride)
         frame = FrameScatter(observation, window)
         frame.into(self._scene)
-        labels = self._add_objects(frame, observation, detections)
+        labels = self._add_objects(frame, detections)
         touched = self._scene.refresh()
         floor = self._enter_floor(observation, touched)
         self._layers.update(touched)
@@ -160,20 +176,14 @@ class SemanticMap:
             self._view = self._make_view()
         return self._view
 
-    def _add_objects(
-        self, frame: FrameScatter, observation: Observation, detections: Detections
-    ) -> tuple[str, ...]:
+    def _add_objects(self, frame: FrameScatter, detections: Detections) -> tuple[str, ...]:
         """M_obj^(c) of every detected category; returns those with at least one point."""
-        shape = observation.depth.shape
-        if detections.masks.shape[1:] != shape:
-            raise ObservationError(
-                f"masks must be of the image's size {shape}, not {detections.masks.shape[1:]}"
-            )
         seen = []
         labels = np.array(detections.labels, dtype=np.str_)
         for label in dict.fromkeys(detections.labels):
-            cloud = self._objects.get(label, VoxelCloud(self.config.r_pcd))
             masks = detections.masks[labels == label]
+            known = self._objects.get(label)
+            cloud = VoxelCloud(self.config.r_pcd) if known is None else known
             frame.into(cloud, masks[0] if len(masks) == 1 else masks.any(axis=0))
             touched = cloud.refresh()
             if not len(touched):

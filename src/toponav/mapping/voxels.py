@@ -36,11 +36,14 @@ EMPTY = -1
 GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 """2^64 / golden ratio, the multiplier of Fibonacci hashing."""
 
-INITIAL_CAPACITY = 1 << 12
+INITIAL_CAPACITY = 1 << 10
 """Voxels that a new cloud has room for."""
 
+GROWTH = 1.5
+"""Factor by which the storage grows."""
+
 ENTRIES_PER_VOXEL = 2
-"""Hash table entries per voxel of capacity: at most half full, so probes stay short."""
+"""Least number of hash table entries a voxel: at most half full, so that probes stay short."""
 
 VOXELS, TOUCHED = 0, 1
 """Entries of `VoxelArrays.sizes`."""
@@ -105,12 +108,10 @@ class VoxelCloud:
         return (AXIS_OFFSET - 1) * self.resolution
 
     def reserve(self, voxels: int) -> None:
-        """Make room for that many further voxels; doubles the storage when it is too small."""
-        size, capacity = len(self), len(self._arrays.keys)
-        if size + voxels > capacity:
-            while size + voxels > capacity:
-                capacity *= 2
-            self._arrays = _grown(self._arrays, capacity)
+        """Make room for that many further voxels; grows the storage when it is too small."""
+        needed, capacity = len(self) + voxels, len(self._arrays.keys)
+        if needed > capacity:
+            self._arrays = _grown(self._arrays, max(needed, int(GROWTH * capacity)))
 
     def add(self, points: NDArray[np.floating], colors: NDArray[np.uint8] | None = None) -> None:
         """Average points into their voxels.
@@ -179,9 +180,10 @@ def columns_of(keys: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def _allocate(capacity: int) -> VoxelArrays:
-    """Empty storage for `capacity` voxels, a power of two."""
+    """Empty storage for `capacity` voxels."""
+    entries = 1 << (ENTRIES_PER_VOXEL * capacity - 1).bit_length()
     return VoxelArrays(
-        table=np.full(ENTRIES_PER_VOXEL * capacity, EMPTY, np.int32),
+        table=np.full(entries, EMPTY, np.int32),
         keys=np.zeros(capacity, np.int64),
         offset_sums=np.zeros((capacity, 3), np.float64),
         color_sums=np.zeros((capacity, 3), np.uint32),
