@@ -15,7 +15,7 @@ from toponav.scenes.room_space import rectangle, stairs_areas
 
 START_CLEARANCE_M = 0.35
 """Starts keep this far from walls and furniture."""
-LEAST_DISTANCE_M = 3.0
+LEAST_DISTANCE_M = 5.0
 """Starts are at least this far from every instance of the target, where the house allows it."""
 TRIES = 200
 
