@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from toponav.scenes.furniture.primitives import Part, box, cylinder, rounded_box
+from toponav.scenes.furniture.primitives import Part, box, cylinder, extruded
 from toponav.scenes.furniture.shape import Size
 from toponav.scenes.furniture.style import BLACK_STEEL, DARK, Style
 from toponav.scenes.textures import Surface, book_spines, paint
@@ -14,6 +14,7 @@ GAP_M = 0.008
 """Between two fronts."""
 
 HANDLE = BLACK_STEEL
+LEATHERS = ((40, 36, 34), (110, 66, 40), (200, 200, 204), (150, 40, 44))
 
 
 def carcass(size: Size, surface: Surface, plinth: float = 0.06) -> list[Part]:
@@ -209,11 +210,11 @@ def shoe_rack(size: Size, style: Style) -> list[Part]:
             leather = paint(
                 style.pick(((40, 36, 34), (110, 66, 40), (200, 200, 204), (150, 40, 44)))
             )
+            ankle = z + min(0.1, 0.6 * sz / levels)
+            outline = [(0.01 - y, z + 0.015), (y - 0.02, z + 0.015), (y - 0.02, ankle),
+                       (0.3 * y, ankle), (0.01 - y, z + 0.04)]  # fmt: skip
             for shoe in (pair, pair + 0.1):
-                parts.append(
-                    rounded_box((shoe, -y + 0.01, z + 0.015), (shoe + 0.085, y - 0.04, z + 0.07),
-                                0.025, leather)
-                )  # fmt: skip
+                parts.append(extruded(outline, shoe, shoe + 0.085, leather))
             pair += 0.26
     return parts
 
