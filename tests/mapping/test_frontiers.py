@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from toponav.mapping.frontiers import FrontierMap
+from toponav.mapping.frontiers import FrontierMap, mark_frontiers
 from toponav.mapping.occupancy import FloorGrid
 from toponav.mapping.view import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 
@@ -56,6 +56,22 @@ def test_incremental_frontiers_are_those_of_the_whole_grid(seed: int, clearance:
         if step % 2:
             expected = reference_frontiers(grid.snapshot(), clearance, 3)
             assert found_frontiers(grid, frontiers) == expected
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 7), (9, 1), (8, 11)])
+@pytest.mark.parametrize("clearance", [0, 1])
+def test_beyond_the_edges_of_the_storage_all_is_unknown(
+    shape: tuple[int, int], clearance: int
+) -> None:
+    rng = np.random.default_rng(shape[1])
+    for share in (0.0, 0.1, 0.3):
+        cells = np.full(shape, FREE, np.int8)
+        cells[rng.random(shape) < share] = OCCUPIED
+        mask = np.ones(shape, np.bool_)
+        mark_frontiers(cells, mask, clearance, (-2, -2, shape[0] + 2, shape[1] + 2))
+        grid = OccupancyGrid(cells, (0.0, 0.0), RESOLUTION)
+        expected = reference_frontiers(grid, clearance, 1)
+        assert {tuple(cell) for cell in np.argwhere(mask).tolist()} == set().union(*expected)
 
 
 def test_a_free_square_in_the_unknown_is_bordered_by_one_frontier() -> None:
