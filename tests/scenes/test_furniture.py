@@ -36,9 +36,13 @@ def corners(piece):
 
 def signed_volume(triangles):
     """Divergence theorem: positive for closed surfaces whose normals point outwards."""
-    return float(
-        np.einsum("fi,fi->f", triangles[:, 0], np.cross(*triangles[:, 1:].swapaxes(0, 1))).sum() / 6
-    )
+    a, b, c = triangles.swapaxes(0, 1)
+    return float((a * np.cross(b, c)).sum() / 6.0)
+
+
+def areas(triangles):
+    a, b, c = triangles.swapaxes(0, 1)
+    return np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2.0
 
 
 def normals(triangles):
@@ -53,8 +57,7 @@ def height_profile(piece, near_y):
 
 
 def test_every_category_of_the_benchmarks_has_a_shape_of_its_own():
-    missing = set(HM3D_TARGETS) | set(MP3D_TARGETS) | set(CONTEXT_CATEGORIES)
-    assert missing <= set(BUILDERS)
+    assert {*HM3D_TARGETS, *MP3D_TARGETS, *CONTEXT_CATEGORIES} <= set(BUILDERS)
 
 
 @pytest.mark.parametrize("category", [*CATEGORIES, "zebra"])
@@ -63,12 +66,9 @@ def test_pieces_of_usual_size_are_valid_meshes(category):
         size = draw_size(category, np.random.default_rng(variant))
         piece = build_furniture(category, size, variant)
         assert np.isfinite(piece.vertices).all()
-        np.testing.assert_allclose(
-            piece.vertices.min(axis=0), [-size[0] / 2, -size[1] / 2, 0], atol=1e-9
-        )
-        np.testing.assert_allclose(
-            piece.vertices.max(axis=0), [size[0] / 2, size[1] / 2, size[2]], atol=1e-9
-        )
+        low, high = piece.vertices.min(axis=0), piece.vertices.max(axis=0)
+        np.testing.assert_allclose(low, [-size[0] / 2, -size[1] / 2, 0], atol=1e-9)
+        np.testing.assert_allclose(high, [size[0] / 2, size[1] / 2, size[2]], atol=1e-9)
         assert piece.faces.dtype == np.int32
         assert piece.faces.min() == 0
         assert piece.faces.max() == len(piece.vertices) - 1
@@ -125,7 +125,7 @@ def test_an_unknown_category_is_a_box():
 def test_backs_are_at_plus_y(category, size):
     for variant in range(8):
         piece = build_furniture(category, size, variant)
-        assert height_profile(piece, 1.0) == pytest.approx(size[2])
+        assert height_profile(piece, 1.0) > 0.97 * size[2]
         assert height_profile(piece, -1.0) < 0.93 * size[2]
 
 
@@ -136,11 +136,8 @@ def test_backs_are_at_plus_y(category, size):
 )  # fmt: skip
 def test_images_face_the_front_upright_and_fill_most_of_it(category, size):
     piece = build_furniture(category, size, 3)
-    images = [
-        k
-        for k, m in enumerate(piece.materials)
-        if m.name in ("television image", "desktop image", "artwork")
-    ]
+    names = ("television image", "desktop image", "artwork")
+    images = [k for k, material in enumerate(piece.materials) if material.name in names]
     assert len(images) == 1
     shown = piece.face_material == images[0]
     triangles = corners(piece)[shown]
@@ -206,17 +203,8 @@ def test_tubes_join_their_ends():
 
 def test_blades_taper_to_a_point_without_degenerate_triangles():
     leaf = blade([(0, 0, 0), (0, 0, 1), (0, 0, 2)], (0.2, 0.3, 0.0), (1.0, 0.0, 0.0), GREY)
-    areas = (
-        np.linalg.norm(
-            np.cross(
-                leaf.corners[:, 1] - leaf.corners[:, 0], leaf.corners[:, 2] - leaf.corners[:, 0]
-            ),
-            axis=1,
-        )
-        / 2
-    )
-    assert areas.min() > 0.0
-    assert areas.sum() == pytest.approx(0.25 * 1.0 + 0.15 * 1.0)
+    assert areas(leaf.corners).min() > 0.0
+    assert areas(leaf.corners).sum() == pytest.approx(0.25 * 1.0 + 0.15 * 1.0)
 
 
 def test_turning_and_moving_a_part():
