@@ -8,7 +8,16 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from shapely import Geometry, LinearRing, LineString, Polygon, buffer, difference, union_all
+from shapely import (
+    Geometry,
+    LinearRing,
+    LineString,
+    Polygon,
+    buffer,
+    difference,
+    intersection,
+    union_all,
+)
 
 from toponav.scenes.building.passages import WALL_THICKNESS_M, Passage
 from toponav.scenes.building.surfaces import PLAN_GRID_M
@@ -49,7 +58,9 @@ def wall_bands(level: Level, passages: Sequence[Passage]) -> list[WallBand]:
         if room.enclosed
     ]
     walls += [_Piece(_along(wall), wall.height) for wall in level.walls]
-    walls += [_jambs(passage, level) for passage in passages if passage.has_walls]
+    walls += [
+        _jambs(passage, level) for passage in passages if passage.has_walls and not passage.is_outer
+    ]
     edges = _room_edges(level)
     cuts = [
         _Piece(passage.cut(passage.crossing_walls(edges)), passage.opening.height)
@@ -88,10 +99,13 @@ def _along(wall: Wall) -> Geometry:
 
 def _jambs(passage: Passage, level: Level) -> _Piece:
     """What closes the void between the walls of two rooms, beside and above a passage."""
-    rooms = [room for room in level.rooms if room.id in passage.opening.rooms]
+    served = [room for room in level.rooms if room.id in passage.opening.rooms]
     block = passage.rectangle(passage.opening.width + 2.0 * WALL_THICKNESS_M, passage.walls)
-    inside = union_all([Polygon(room.polygon) for room in level.rooms])
-    return _Piece(difference(block, inside), max(room.height for room in rooms))
+    facing = [intersection(block, Polygon(room.polygon)) for room in served]
+    between = buffer(union_all(facing).convex_hull, WALL_THICKNESS_M / 2.0, join_style="mitre")
+    rooms = union_all([Polygon(room.polygon) for room in level.rooms])
+    footprint = difference(intersection(between, block), rooms)
+    return _Piece(footprint, max(room.height for room in served))
 
 
 def _room_edges(level: Level) -> NDArray[np.float64]:
