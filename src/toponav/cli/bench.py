@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
 import tyro
 
@@ -18,7 +18,7 @@ class Bench:
     what: tyro.conf.Positional[Literal["sim"]]
     """What to time."""
 
-    scene: tyro.conf.Positional[str] = "generated:0"
+    scene: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="SCENE")] = "generated:0"
     """House, mesh scene or generated:SEED."""
 
     labels: Path | None = None

@@ -117,6 +117,7 @@ def run_one(
     """
     runner = SceneRunner(scene, config)
     spec = runner.spec(0, runner.env.episode(wish.target, wish.start, config.seed))
+    runner.check(spec)
     for stale in folder.glob("panorama_*.jpg"):
         stale.unlink()
     write_atomic(folder / "config.json", config_json(config))

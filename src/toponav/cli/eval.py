@@ -15,7 +15,7 @@ from toponav.cli.options import AgentOptions, JsonFlag
 class Eval:
     """Run the episodes of a scene, a folder of scenes or a generator range, and sum them up."""
 
-    source: tyro.conf.Positional[str]
+    source: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="SOURCE")]
     """Scene, folder of scenes, or generated:FIRST-LAST."""
 
     episodes: int | None = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
 import tyro
 
@@ -18,7 +18,7 @@ class Map:
     Writes every cloud as PLY, the memory, and top-down pictures of the map and of its colours.
     """
 
-    recording: tyro.conf.Positional[Path]
+    recording: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="RECORDING")]
     """Folder of frame-*.color, .depth and .pose files (the 7-Scenes layout)."""
 
     world: Literal["z-up", "y-up", "y-down"] | None = None

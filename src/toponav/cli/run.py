@@ -15,7 +15,7 @@ from toponav.cli.options import AgentOptions, JsonFlag
 class Run:
     """Run one episode in a house file, a mesh scene or a generated house."""
 
-    house: tyro.conf.Positional[str]
+    house: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="HOUSE")]
     """House file, DomestiGraph or ProcTHOR file, mesh scene, or generated:SEED."""
 
     target: str | None = None

@@ -15,7 +15,7 @@ from toponav.cli.options import JsonFlag
 class Generate:
     """Write generated houses as house files."""
 
-    spec: tyro.conf.Positional[str] = "generated:0"
+    spec: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="SPEC")] = "generated:0"
     """generated:SEED or generated:FIRST-LAST, with options as in generated:7?rooms=8&levels=2."""
 
     out: Path = Path("runs/scenes")
@@ -48,7 +48,7 @@ class Generate:
 class Info:
     """Tell what a scene holds: size, floors, objects, episodes, targets that can be reached."""
 
-    scene: tyro.conf.Positional[str]
+    scene: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="SCENE")]
     """House, mesh scene or generated:SEED."""
 
     labels: Path | None = None
@@ -86,10 +86,10 @@ def _described(info: dict[str, Any]) -> str:
 class Export:
     """Write a house or a scene for other tools: house JSON, or glTF with categories."""
 
-    scene: tyro.conf.Positional[str]
+    scene: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="SCENE")]
     """House, mesh scene or generated:SEED."""
 
-    out: tyro.conf.Positional[Path]
+    out: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FILE")]
     """A .json (houses only) or .glb file."""
 
     labels: Path | None = None

@@ -89,6 +89,18 @@ class Rollout:
         )
 
 
+def start_episode(env: HouseEnv, spec: EpisodeSpec) -> str:
+    """Reset the environment to an episode; returns the canonical target.
+
+    Raises:
+        EpisodeError: The target or the start pose does not fit the scene.
+    """
+    target = canonical(spec.episode.target)
+    start = (*spec.episode.start, spec.episode.yaw)
+    env.reset(seed=spec.seed, options={"target": target, "start": start})
+    return target
+
+
 def roll_out(
     env: HouseEnv, agent: Agent, spec: EpisodeSpec, observers: Sequence[StepObserver] = ()
 ) -> Rollout:
@@ -100,9 +112,7 @@ def roll_out(
         EpisodeError: The target or the start pose does not fit the scene.
     """
     clock = time.perf_counter()
-    target = canonical(spec.episode.target)
-    start = (*spec.episode.start, spec.episode.yaw)
-    env.reset(seed=spec.seed, options={"target": target, "start": start})
+    target = start_episode(env, spec)
     heights = env.oracle.viewpoints(target)[:, 2]
     rollout = Rollout(
         shortest_path=env.oracle.distance_to_goal(),

@@ -11,7 +11,7 @@ import numpy as np
 from toponav.config import config_sha
 from toponav.envs.simulator import HouseEnv
 from toponav.evaluation.results import EpisodeResult
-from toponav.evaluation.rollout import EpisodeSpec, Rollout, StepObserver, roll_out
+from toponav.evaluation.rollout import EpisodeSpec, Rollout, StepObserver, roll_out, start_episode
 from toponav.evaluation.run_config import RunConfig
 from toponav.mapping.view import MapView
 from toponav.memory.graph import TopologicalMemory
@@ -40,7 +40,14 @@ class SceneRunner:
     """Runs episodes in one scene, which is loaded once."""
 
     def __init__(self, scene: Scene, config: RunConfig) -> None:
-        """Build the environment; the navigable surface is computed here."""
+        """Build the environment; the navigable surface is computed here.
+
+        Raises:
+            InputError: Unknown method, detector or reasoner.
+        """
+        self._method = methods.get(config.method)
+        self._detector = detectors.get(config.detector)
+        self._reasoner = reasoners.get(config.reasoner)
         self.scene = scene
         self.config = config
         self._sha = config_sha(config)
@@ -68,6 +75,14 @@ class SceneRunner:
             seed=(self.config.seed * 1_000_003 + zlib.crc32(key)) % 2**31,
         )
 
+    def check(self, spec: EpisodeSpec) -> None:
+        """Make sure that the scene can host an episode, before anything is written about it.
+
+        Raises:
+            EpisodeError: The target or the start does not fit the scene.
+        """
+        start_episode(self.env, spec)
+
     def run(
         self,
         spec: EpisodeSpec,
@@ -78,13 +93,12 @@ class SceneRunner:
 
         Raises:
             EpisodeError: The target or the start does not fit the scene.
-            InputError: Unknown method, detector or reasoner.
         """
         counter = _DecisionCounter()
-        agent = methods.get(self.config.method)(
+        agent = self._method(
             AgentContext(
-                detector=detectors.get(self.config.detector)(self.env.oracle, spec.seed),
-                reasoner=reasoners.get(self.config.reasoner)(),
+                detector=self._detector(self.env.oracle, spec.seed),
+                reasoner=self._reasoner(),
                 config=self.config.navigator,
                 seed=spec.seed,
                 listener=Listeners((counter, *listeners)),
