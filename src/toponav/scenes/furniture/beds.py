@@ -12,11 +12,14 @@ DOUBLE_WIDTH_M = 1.25
 
 LINEN = fabric((240, 240, 236))
 
+BLANKETS = ((58, 96, 138), (150, 62, 58), (92, 118, 84), (84, 78, 110), (60, 124, 124))
+"""None is like wood or linen, so that a bed stands out from its frame."""
+
 
 def bed(size: Size, style: Style) -> list[Part]:
     """A made bed; its head is at the back."""
     sx, sy, sz = size
-    frame, blanket = style.wood(), style.fabric()
+    frame, blanket = style.wood(), fabric(style.pick(BLANKETS), style.texture_seed)
     x, y = sx / 2.0, sy / 2.0
     top = min(0.52, 0.62 * sz)
     rail, slab = 0.55 * top, 0.06

@@ -27,16 +27,16 @@ SEAT_HEIGHT_M = 0.45
 ARMCHAIR_WIDTH_M = 0.68
 """A wider and deeper chair is upholstered."""
 
-OFFICE_CHAIR_SHARE = 0.25
-"""Of the chairs that are high enough for a column and castors."""
+OFFICE_CHAIR_WIDTH_M = 0.55
+"""A chair of at least this width and depth stands on a column with castors: room for five feet."""
 
 
 def chair(size: Size, style: Style) -> list[Part]:
-    """An armchair when wide and deep, else a dining or an office chair."""
-    sx, sy, sz = size
-    if min(sx, sy) >= ARMCHAIR_WIDTH_M:
+    """A dining chair, an office chair or an armchair, by its width and depth."""
+    reach = min(size[0], size[1])
+    if reach >= ARMCHAIR_WIDTH_M:
         return _upholstered(size, style.fabric(), seats=1)
-    if sz >= 0.8 and min(sx, sy) >= 0.44 and style.chance(OFFICE_CHAIR_SHARE):
+    if reach >= OFFICE_CHAIR_WIDTH_M and size[2] >= 0.8:
         return _office_chair(size, style)
     return _dining_chair(size, style)
 
