@@ -161,7 +161,7 @@ def choose_direction(query: Query, node_id: int, config: PriorConfig) -> int:
     """
     sightings = [best_target_score(view, query.target) for view in query.panorama]
     if max(sightings) > 0.0:
-        return sightings.index(max(sightings))
+        return _middle_of_longest_run([score == max(sightings) for score in sightings])
     bearing = _bearing_to(query.memory, node_id)
 
     def worth(view: PanoramaView) -> float:
@@ -175,6 +175,24 @@ def choose_direction(query: Query, node_id: int, config: PriorConfig) -> int:
 
     worths = [worth(view) for view in query.panorama]
     return worths.index(max(worths))
+
+
+def _middle_of_longest_run(chosen: Sequence[bool]) -> int:
+    """The middle of the longest run of neighbouring views; the panorama closes on itself.
+
+    A thing seen in several overlapping views lies ahead in the middle one. The first run wins ties.
+    """
+    count = len(chosen)
+    if all(chosen):
+        return 0
+    best_start, best_length = 0, 0
+    for start in range(count):
+        length = 0
+        while chosen[(start + length) % count]:
+            length += 1
+        if length > best_length and not chosen[start - 1]:
+            best_start, best_length = start, length
+    return (best_start + (best_length - 1) // 2) % count
 
 
 def best_target_score(view: PanoramaView, target: str) -> float:

@@ -11,7 +11,7 @@ from shapely.ops import unary_union
 from toponav.categories import HM3D_TARGETS, MP3D_TARGETS, canonical
 from toponav.scenes.building.surfaces import polygons
 from toponav.scenes.house import House, HouseEpisode, Level
-from toponav.scenes.room_space import rectangle, stairs_areas
+from toponav.scenes.room_space import StairsFootprint, rectangle, stairs_footprints
 
 START_CLEARANCE_M = 0.35
 """Starts keep this far from walls and furniture."""
@@ -63,7 +63,7 @@ def _episode(
     instances = [
         np.array(item.position[:2]) for item in level.objects if canonical(item.category) == name
     ]
-    stairs = stairs_areas(house.stairs, index)
+    stairs = stairs_footprints(house.stairs, index)
     free = [
         part for room in level.rooms for part in _free_floor(Polygon(room.polygon), level, stairs)
     ]
@@ -90,13 +90,13 @@ def _episode(
     return HouseEpisode(target=name, start=(x, y, level.floor), yaw=yaw)
 
 
-def _free_floor(room: Polygon, level: Level, stairs: list[Polygon]) -> list[Polygon]:
+def _free_floor(room: Polygon, level: Level, stairs: list[StairsFootprint]) -> list[Polygon]:
     """Where in a room somebody can stand, with some elbow room."""
     things = [
         rectangle(np.array(item.position[:2]), item.yaw, item.size[0], item.size[1])
         for item in level.objects
         if item.position[2] < level.floor + 1.0 and item.size[2] > 0.1
     ]
-    taken = unary_union([*things, *stairs]).buffer(START_CLEARANCE_M)
+    taken = unary_union([*things, *(area.flight for area in stairs)]).buffer(START_CLEARANCE_M)
     inside = room.buffer(-START_CLEARANCE_M, join_style="mitre")
     return polygons(inside.difference(taken))

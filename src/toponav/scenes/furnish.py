@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 from shapely.geometry import Polygon
-from shapely.geometry.base import BaseGeometry
 
 from toponav.config_model import ConfigModel
 from toponav.scenes.furniture_sizes import Extents, draw_size
 from toponav.scenes.house import HouseObject, Opening, Room
 from toponav.scenes.room_furniture import Place, Wish, wishes_for
-from toponav.scenes.room_space import RoomSpace, rectangle
+from toponav.scenes.room_space import RoomSpace, StairsFootprint, rectangle
 
 FRONT_CLEARANCE_M = 0.45
 """Floor in front of a thing at a wall that nothing else may stand on."""
@@ -54,7 +53,7 @@ def furnish_room(
     floor: float,
     rng: np.random.Generator,
     config: FurnishConfig | None = None,
-    keep_clear: Sequence[BaseGeometry] = (),
+    stairs: Sequence[StairsFootprint] = (),
 ) -> list[HouseObject]:
     """Furniture for a room, by its type.
 
@@ -67,12 +66,12 @@ def furnish_room(
         floor: Height of the floor, metres.
         rng: Draws sizes, places and what there is.
         config: How much there is.
-        keep_clear: Areas that stay empty: stairs and their landings.
+        stairs: Flights of this level, which stay clear and are walked round.
 
     Returns:
         Objects with ids that start with the room's.
     """
-    furnisher = _Furnisher(room, openings, floor, rng, keep_clear)
+    furnisher = _Furnisher(room, openings, floor, rng, stairs)
     clutter = (config or FurnishConfig()).clutter
     for wish in wishes_for(room.type):
         chance = wish.chance if wish.chance >= 1.0 else min(1.0, 2.0 * clutter * wish.chance)
@@ -90,13 +89,14 @@ class _Furnisher:
         openings: Sequence[Opening],
         floor: float,
         rng: np.random.Generator,
-        keep_clear: Sequence[BaseGeometry],
+        stairs: Sequence[StairsFootprint],
     ) -> None:
         self.objects: list[HouseObject] = []
+        self._hung: list[Polygon] = []
         self._room = room
         self._floor = floor
         self._rng = rng
-        self._space = RoomSpace(Polygon(room.polygon), openings, keep_clear)
+        self._space = RoomSpace(Polygon(room.polygon), openings, stairs)
 
     def grant(self, wish: Wish) -> None:
         """Put a thing and what belongs to it into the room, if there is a place for it."""
@@ -175,8 +175,9 @@ class _Furnisher:
             center = wall.start + at * wall.along + (HANG_GAP_M + size[1] / 2) * wall.inward
             footprint = rectangle(center, wall.yaw, size[0], size[1] + 0.1)
             tall = [f for f, top in self._space.footprints if top > wish.height_m]
-            if footprint.intersects(self._space.doors) or any(map(footprint.intersects, tall)):
+            if any(map(footprint.intersects, (self._space.doors, *tall, *self._hung))):
                 continue
+            self._hung.append(footprint)
             self._enter(wish.category, size, _Pose(center, wall.yaw), wish.height_m)
             return
 

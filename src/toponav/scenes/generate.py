@@ -6,7 +6,6 @@ import re
 
 import numpy as np
 from pydantic import Field
-from shapely.geometry import Polygon, box
 
 from toponav.config_model import ConfigModel
 from toponav.errors import SceneError
@@ -14,6 +13,7 @@ from toponav.scenes.episodes import sample_episodes
 from toponav.scenes.floor_plan import FloorPlan, Frame, LevelDrawer, draw_frame
 from toponav.scenes.furnish import FurnishConfig, furnish_room
 from toponav.scenes.house import House, Level, Stairs
+from toponav.scenes.room_space import StairsFootprint, stairs_footprints
 from toponav.scenes.validation import validate_house
 
 STOREY_M = 2.8
@@ -97,15 +97,15 @@ def generate_house(seed: int, config: GeneratorConfig | None = None) -> House:
     plans = [_ground_floor(rng, config.size, frame, rooms)]
     if levels == 2:
         plans.append(_upper_floor(rng, config.size, plans[0]))
-    keep_clear = _stair_areas(frame) if levels == 2 else [[], []]
+    stairs = [_stairs(frame)] if levels == 2 else []
     furnish = FurnishConfig(clutter=config.clutter)
     house = House(
         name=f"generated_{seed}",
         levels=[
-            _furnished(plan, STOREY_M * k, rng, furnish, keep_clear[k])
+            _furnished(plan, STOREY_M * k, rng, furnish, stairs_footprints(stairs, k))
             for k, plan in enumerate(plans)
         ],
-        stairs=[_stairs(frame)] if levels == 2 else [],
+        stairs=stairs,
     )
     apart = (False, True) if levels == 2 else (False,)
     episodes = sample_episodes(house, rng, config.episodes, apart)
@@ -143,25 +143,15 @@ def _stairs(frame: Frame) -> Stairs:
     )
 
 
-def _stair_areas(frame: Frame) -> list[list[Polygon]]:
-    """What stays empty on the lower and on the upper level: the flight and its landings."""
-    stairs = _stairs(frame)
-    low = frame.depth - 0.12 - STAIRS_WIDTH_M - 0.15
-    end, start = stairs.end[0], stairs.start[0]
-    lower = box(end - 0.1, low, start + STAIRS_LANDING_M, frame.depth)
-    upper = box(0.0, low - 0.3, start, frame.depth)
-    return [[lower], [upper]]
-
-
 def _furnished(
     plan: FloorPlan,
     floor: float,
     rng: np.random.Generator,
     config: FurnishConfig,
-    keep_clear: list[Polygon],
+    stairs: list[StairsFootprint],
 ) -> Level:
     objects = []
     for room in plan.rooms:
         openings = [opening for opening in plan.openings if room.id in opening.rooms]
-        objects += furnish_room(room, openings, floor, rng, config, keep_clear)
+        objects += furnish_room(room, openings, floor, rng, config, stairs)
     return Level(floor=floor, rooms=list(plan.rooms), openings=list(plan.openings), objects=objects)

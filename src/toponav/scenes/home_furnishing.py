@@ -10,7 +10,7 @@ import numpy as np
 from toponav.scenes.episodes import sample_episodes
 from toponav.scenes.furnish import furnish_room
 from toponav.scenes.house import House, HouseObject
-from toponav.scenes.room_space import stairs_areas
+from toponav.scenes.room_space import stairs_footprints
 
 EPISODES_PER_HOME = 2
 """Episodes of a home that brings none."""
@@ -26,13 +26,13 @@ def furnished(house: House, seed: int, bare_types: Collection[str] = ()) -> Hous
     """
     levels = []
     for index, level in enumerate(house.levels):
-        keep_clear = stairs_areas(house.stairs, index)
+        stairs = stairs_footprints(house.stairs, index)
         objects: list[HouseObject] = []
         for number, room in enumerate(level.rooms):
             if room.type not in bare_types:
                 openings = [opening for opening in level.openings if room.id in opening.rooms]
                 rng = np.random.default_rng([_name_seed(house), seed, index, number])
-                objects += furnish_room(room, openings, level.floor, rng, keep_clear=keep_clear)
+                objects += furnish_room(room, openings, level.floor, rng, stairs=stairs)
         levels.append(level.model_copy(update={"objects": objects}))
     return with_episodes(house.model_copy(update={"levels": levels}), seed)
 

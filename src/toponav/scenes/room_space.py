@@ -64,14 +64,16 @@ class RoomSpace:
         self,
         polygon: Polygon,
         openings: Sequence[Opening],
-        keep_clear: Sequence[BaseGeometry] = (),
+        stairs: Sequence[StairsFootprint] = (),
     ) -> None:
-        """Start with an empty room; `keep_clear` are areas such as stairs and their landings."""
+        """Start with an empty room; stairs need not touch it."""
         self.polygon = orient(polygon)
         self.inner = self.polygon.buffer(-WALL_GAP_M, join_style="mitre")
         zones = [self._door_zone(opening) for opening in openings]
         self.doors = unary_union([zone for zone in zones if zone is not None])
-        self.clear = unary_union([self.doors, *keep_clear])
+        flights = [area.flight for area in stairs]
+        self.clear = unary_union([self.doors, *flights, *(area.landing for area in stairs)])
+        self._flights = unary_union(flights)
         self.entrances = [zone.centroid for zone in zones if zone is not None]
         self.footprints: list[tuple[Polygon, float]] = []
 
@@ -115,7 +117,8 @@ class RoomSpace:
         """Where the agent's centre can be."""
         things = unary_union([footprint for footprint, _ in self.footprints])
         walkable = self.polygon.buffer(-PASSAGE_RADIUS_M, join_style="mitre")
-        return walkable.difference(things.buffer(PASSAGE_RADIUS_M - 0.02))
+        taken = unary_union([things, self._flights])
+        return walkable.difference(taken.buffer(PASSAGE_RADIUS_M - 0.02))
 
     def passable(self) -> bool:
         """Whether all entrances and all things are still joined by free floor."""
@@ -163,16 +166,34 @@ def rectangle(
     )  # fmt: skip
 
 
-def stairs_areas(stairs: Sequence[Stairs], level: int) -> list[Polygon]:
-    """The flights that touch a level, each with its landing there."""
-    areas = []
+@dataclass(frozen=True)
+class StairsFootprint:
+    """What a flight takes up on one of its two levels.
+
+    Attributes:
+        flight: The steps below, the railed well above: nobody walks across it.
+        landing: Floor that stays free where it is left.
+    """
+
+    flight: Polygon
+    landing: Polygon
+
+
+def stairs_footprints(stairs: Sequence[Stairs], level: int) -> list[StairsFootprint]:
+    """The flights that touch a level."""
+    footprints = []
     for flight in stairs:
         near, far = np.array(flight.start), np.array(flight.end)
         if level == flight.to_level:
             near, far = far, near
         elif level != flight.from_level:
             continue
-        landing = near + (near - far) / np.linalg.norm(near - far) * STAIRS_LANDING_M
+        outer = near + (near - far) / np.linalg.norm(near - far) * STAIRS_LANDING_M
         half = flight.width / 2.0 + STAIRS_SIDE_M
-        areas.append(LineString([landing, far]).buffer(half, cap_style="flat"))
-    return areas
+        footprints.append(
+            StairsFootprint(
+                flight=LineString([near, far]).buffer(half, cap_style="flat"),
+                landing=LineString([outer, near]).buffer(half, cap_style="flat"),
+            )
+        )
+    return footprints
