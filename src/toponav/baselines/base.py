@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from toponav.categories import canonical
 from toponav.config import NavigatorConfig
-from toponav.control.locomotion import Locomotion, Progress
+from toponav.control.locomotion import Locomotion
 from toponav.control.recovery import BarrenWaypoints
 from toponav.control.vantage import vantage_point
 from toponav.mapping.semantic_map import SemanticMap
@@ -61,18 +61,15 @@ class MappedSearch(ABC):
         eye, acquiring = observation.world_from_camera, self._phase is Phase.TARGET_ACQUISITION
         if acquiring and self._goal.reached(eye, view, self._target, walk_ended=True):
             return Action.STOP
-        if self._waypoint is not None and (acquiring or self._gave_up):
+        if self._waypoint is not None:  # reached or given up: not the next goal again
             self._barren.add(self._waypoint, self._decisions)
+            self._waypoint = None
         self._phase = Phase.EXPLORATION
         return self._explore(observation, view)
 
     def close(self) -> None:
         """Tell the listener that the episode is over."""
         self._listener.on_close(self._view, None)
-
-    @property
-    def _gave_up(self) -> bool:
-        return self._locomotion.progress is Progress.GAVE_UP
 
     @abstractmethod
     def _explore(self, observation: Observation, view: MapView) -> Action:
