@@ -17,7 +17,7 @@ from toponav.envs.simulator.agent_body import AgentBody
 from toponav.envs.simulator.geodesic import ShortestPaths, distance_at, shortest_paths
 from toponav.envs.simulator.heightfield import build_heightfield
 from toponav.envs.simulator.span_graph import SpanGraph, build_span_graph
-from toponav.envs.simulator.walking import STRIDE_M, cell_at, walk
+from toponav.envs.simulator.walking import cell_at, walk
 from toponav.errors import EpisodeError, InputError, SceneError
 from toponav.scenes.mesh import SceneMesh
 
