@@ -14,7 +14,7 @@ from gymnasium.utils.env_checker import check_env
 from toponav.envs import ENV_ID
 from toponav.envs.base import observation_from_dict
 from toponav.envs.simulator import HouseEnv, HouseEnvConfig
-from toponav.errors import EpisodeError
+from toponav.errors import EpisodeError, InputError
 from toponav.geometry import back_project
 from toponav.scenes.mesh import Scene, SceneEpisode
 from toponav.types import Action
@@ -167,3 +167,11 @@ def test_viewpoints_are_near_navigable_and_in_sight(env: HouseEnv) -> None:
     assert distance.max() <= 1.0 + 0.05  # the surface is sampled
     assert distance.min() >= 0.15  # the radius, less half a cell of the surface
     assert all(env.surface.is_navigable(point) for point in points)
+
+
+def test_steps_before_a_reset_and_unknown_actions_are_refused(scene: Scene, env: HouseEnv) -> None:
+    with pytest.raises(EpisodeError, match="reset the environment"):
+        HouseEnv(scene, CONFIG).step(Action.STOP)
+    for action in (6, -1, 1.0, "stop"):
+        with pytest.raises(InputError, match="integers 0 to 5"):
+            env.step(action)

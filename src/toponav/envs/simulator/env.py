@@ -20,7 +20,7 @@ from toponav.envs.simulator.oracle import SceneOracle
 from toponav.envs.simulator.raycaster import RayCaster
 from toponav.envs.simulator.renderer import Renderer
 from toponav.envs.simulator.sensors import NoiseConfig, SensorNoise, clip_range
-from toponav.errors import EpisodeError
+from toponav.errors import EpisodeError, InputError
 from toponav.geometry import Intrinsics, Pose
 from toponav.geometry.conventions import BODY_FROM_OPTICAL
 from toponav.scenes.mesh import Scene, SceneEpisode
@@ -148,13 +148,18 @@ class HouseEnv(gymnasium.Env[dict[str, Any], Any]):
         return self._as_dict(), {}
 
     def step(self, action: int) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
-        """Carry out one action."""
-        action = Action(action)
+        """Carry out one action.
+
+        Raises:
+            InputError: There is no such action.
+            EpisodeError: The environment has not been reset.
+        """
+        action = self._checked_action(action)
+        before = self._world_from_base()
         self.collided = False
         if action is Action.MOVE_FORWARD:
             distance = self._noise.actuated(self.config.forward_m)
             motion = self.surface.move(self.position, self.yaw, distance)
-            self._noise.travelled(float(np.linalg.norm(motion.position - self.position)))
             self.position, self.collided = motion.position, motion.collided
         elif action in (Action.TURN_LEFT, Action.TURN_RIGHT):
             turn = self._noise.actuated(math.radians(self.config.turn_deg))
@@ -163,6 +168,7 @@ class HouseEnv(gymnasium.Env[dict[str, Any], Any]):
         elif action in (Action.LOOK_UP, Action.LOOK_DOWN):
             change = 1 if action is Action.LOOK_UP else -1
             self._tilt_steps = max(-MAX_TILT_STEPS, min(MAX_TILT_STEPS, self._tilt_steps + change))
+        self._noise.moved(before, self._world_from_base())
         self._step_count += 1
         terminated = action is Action.STOP
         truncated = not terminated and self._step_count >= self.config.max_steps
@@ -186,9 +192,7 @@ class HouseEnv(gymnasium.Env[dict[str, Any], Any]):
             raise EpisodeError("reset the environment before asking for labels")
         return self._semantic
 
-    def sample_episode(
-        self, rng: np.random.Generator, target: str | None = None
-    ) -> SceneEpisode:
+    def sample_episode(self, rng: np.random.Generator, target: str | None = None) -> SceneEpisode:
         """Draw a target of the scene, unless one is given, and a start far enough from it.
 
         Raises:
@@ -250,6 +254,13 @@ class HouseEnv(gymnasium.Env[dict[str, Any], Any]):
             return self.scene.episodes[(self._next_episode - 1) % len(self.scene.episodes)]
         return self.episode(target, start, int(self.np_random.integers(2**31)))
 
+    def _checked_action(self, action: int) -> Action:
+        if self._observation is None:
+            raise EpisodeError("reset the environment before stepping it")
+        if not self.action_space.contains(action):
+            raise InputError(f"actions are the integers 0 to {len(Action) - 1}, not {action!r}")
+        return Action(action)
+
     def _checked_target(self, name: str) -> str:
         target = canonical(name)
         known = self.oracle.categories()
@@ -267,8 +278,10 @@ class HouseEnv(gymnasium.Env[dict[str, Any], Any]):
         snapped = self.surface.snap(point, START_TOLERANCE_M)
         if snapped is None:
             nearest = self.surface.snap(point, math.inf)
-            hint = "" if nearest is None else "; the nearest free place is " + ", ".join(
-                f"{v:.2f}" for v in nearest
+            hint = (
+                ""
+                if nearest is None
+                else "; the nearest free place is " + ", ".join(f"{v:.2f}" for v in nearest)
             )
             place = ", ".join(f"{v:.2f}" for v in point)
             raise EpisodeError(
@@ -280,7 +293,7 @@ class HouseEnv(gymnasium.Env[dict[str, Any], Any]):
     def _sense(self) -> None:
         """Render what the camera sees and report the pose."""
         config = self.config
-        world_from_base = Pose.from_yaw(self.yaw, self.position)
+        world_from_base = self._world_from_base()
         frame = self._renderer.render(world_from_base @ self._base_from_camera(), self.intrinsics)
         depth = self._noise.measured(frame.depth)
         reported = self._noise.reported(world_from_base)
@@ -295,6 +308,10 @@ class HouseEnv(gymnasium.Env[dict[str, Any], Any]):
             step=self._step_count,
             timestamp_s=float(self._step_count),
         )
+
+    def _world_from_base(self) -> Pose:
+        """The true pose of the agent's foot point."""
+        return Pose.from_yaw(self.yaw, self.position)
 
     def _base_from_camera(self) -> Pose:
         """The tilted optical frame above the foot point."""

@@ -25,10 +25,13 @@ class NoiseConfig(ConfigModel):
     """Kinect noise on depth (Nguyen et al. 2012): axial by distance, lateral by pixels."""
 
     drift_per_m: float = Field(default=0.0, ge=0.0)
-    """Random walk of the reported position: its deviation after one metre, as a fraction."""
+    """Deviation of the reported position after one metre walked, metres, along and across."""
 
     drift_yaw_per_m: float = Field(default=0.0, ge=0.0)
-    """Random walk of the reported yaw: its deviation after one metre, radians."""
+    """Deviation of the reported yaw after one metre walked, radians."""
+
+    drift_yaw_per_rad: float = Field(default=0.0, ge=0.0)
+    """Deviation of the reported yaw after one radian turned, radians."""
 
     actuation: float = Field(default=0.0, ge=0.0)
     """Relative deviation of every step and turn that is carried out."""
@@ -41,29 +44,41 @@ class SensorNoise:
         """Start without drift."""
         self._config = config
         self._rng = rng
-        self._drift = np.zeros(3)
+        self._reported_from_true = Pose.identity()
 
     def actuated(self, amount: float) -> float:
-        """What a motor makes of a commanded distance or angle."""
+        """What a motor makes of a commanded distance or angle; it never runs backwards."""
         if not self._config.actuation:
             return amount
         return max(0.0, amount * (1.0 + self._config.actuation * self._rng.standard_normal()))
 
-    def travelled(self, distance_m: float) -> None:
-        """Let the reported pose drift over a distance walked."""
+    def moved(self, before: Pose, after: Pose) -> None:
+        """Let the reported pose drift over one motion of the base.
+
+        Odometry adds up increments, each with an error in the base's own frame (Thrun, Burgard,
+        Fox: "Probabilistic Robotics", 2005, section 5.4), so an error in yaw bends the rest of the
+        way. Variances are proportional to the motion: the drift is a random walk.
+
+        Args:
+            before: True `world_from_base` before the motion.
+            after: The same after it.
+        """
         config = self._config
-        if not (config.drift_per_m or config.drift_yaw_per_m):
+        if not (config.drift_per_m or config.drift_yaw_per_m or config.drift_yaw_per_rad):
             return
-        scale = np.array([config.drift_per_m, config.drift_per_m, config.drift_yaw_per_m])
-        self._drift += scale * np.sqrt(distance_m) * self._rng.standard_normal(3)
+        increment = before.inverse() @ after
+        distance_m, turn = float(np.linalg.norm(increment.translation)), abs(increment.yaw)
+        along, across, yaw = self._rng.standard_normal(3)
+        sigma_m = config.drift_per_m * np.sqrt(distance_m)
+        sigma_yaw = np.hypot(
+            config.drift_yaw_per_m * np.sqrt(distance_m), config.drift_yaw_per_rad * np.sqrt(turn)
+        )
+        error = Pose.from_yaw(sigma_yaw * yaw, (sigma_m * along, sigma_m * across, 0.0))
+        self._reported_from_true = self._reported_from_true @ after @ error @ after.inverse()
 
     def reported(self, world_from_base: Pose) -> Pose:
-        """The pose as odometry reports it."""
-        if not self._drift.any():
-            return world_from_base
-        x, y, z = world_from_base.translation
-        dx, dy, dyaw = self._drift
-        return Pose.from_yaw(world_from_base.yaw + dyaw, (x + dx, y + dy, z))
+        """The pose as odometry reports it; height and tilt are known (from an IMU, say)."""
+        return self._reported_from_true @ world_from_base
 
     def measured(self, depth: NDArray[np.float32]) -> NDArray[np.float32]:
         """(H, W) depth as the sensor measures it; 0 stays 0."""
