@@ -45,6 +45,18 @@ def test_on_stairs_the_floor_below_stays_until_level_ground_is_seen() -> None:
     assert (semantic_map.view().floor, semantic_map.view().floor_z) == (1, STOREY)
 
 
+def test_walls_at_foot_height_are_no_ground() -> None:
+    """Half-way up a flight the house's walls pass the foot's height, without a floor there."""
+    foot_z, wall = 1.6, np.mgrid[0:200, 0:40].reshape(2, -1).T * 0.05
+    semantic_map = climbed(standing(0.0))
+    upright = np.column_stack([wall[:, 0], np.zeros(len(wall)), foot_z - 1.0 + wall[:, 1]])
+    semantic_map._scene.add(upright)
+    assert not semantic_map._sees_ground(foot_z, semantic_map._scene.refresh())
+    level = np.column_stack([wall[:, 0], 2.0 + wall[:, 1], np.full(len(wall), foot_z)])
+    semantic_map._scene.add(level)
+    assert semantic_map._sees_ground(foot_z, semantic_map._scene.refresh())
+
+
 def test_a_known_floor_is_entered_again_with_its_index_and_its_map() -> None:
     semantic_map = climbed(standing(0.0))
     ground = semantic_map.view()

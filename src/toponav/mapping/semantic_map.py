@@ -35,6 +35,9 @@ LEVEL_TOLERANCE_M = 0.08
 """How far points may be above or below the foot to count as the ground that the agent stands on:
 depth noise and a sill pass, the next tread of a stair (0.15 m and more) does not."""
 
+WALL_CHECK_M = 0.5
+"""A column with points up to this far above the foot is a wall or a riser, not ground."""
+
 
 class MapConfig(ConfigModel):
     """Resolutions and heights of the map.
@@ -211,8 +214,13 @@ class SemanticMap:
         return self._floor
 
     def _sees_ground(self, foot_z: float, touched: NDArray[np.int32]) -> bool:
-        heights = self._scene.arrays.points[touched, 2]
-        ground = np.count_nonzero(np.abs(heights - foot_z) <= LEVEL_TOLERANCE_M)
+        """Whether the frame shows enough level ground at foot height; walls do not count."""
+        points = self._scene.arrays.points[touched]
+        above = points[:, 2] - foot_z
+        columns = np.floor(points[:, :2] / self.config.r_pcd).astype(np.int64) @ (1 << 32, 1)
+        level = columns[np.abs(above) <= LEVEL_TOLERANCE_M]
+        rising = columns[(above > LEVEL_TOLERANCE_M) & (above <= WALL_CHECK_M)]
+        ground = len(np.setdiff1d(level, rising))
         return bool(ground * self.config.r_pcd**2 >= self.config.level_area_m2)
 
     def _new_floor(self, index: int, z: float) -> Floor:
