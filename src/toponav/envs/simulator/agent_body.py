@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from toponav.config_model import ConfigModel
 
@@ -24,3 +24,9 @@ class AgentBody(ConfigModel):
     """Steepest slope that it walks on, degrees."""
     cell_size: PositiveLength = 0.05
     """Side of the columns that the scene is cut into, metres; Habitat's value too."""
+
+    @model_validator(mode="after")
+    def _climb_keeps_storeys_apart(self) -> Self:
+        if self.max_climb >= 0.5 * self.height:
+            raise ValueError("max_climb must be less than half of height")
+        return self

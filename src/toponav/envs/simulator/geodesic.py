@@ -55,7 +55,10 @@ class ShortestPaths(NamedTuple):
 
 
 def shortest_paths(
-    graph: SpanGraph, goal_at: NDArray[np.float64], goal_cell: NDArray[np.int64], stop_cell: int = -1
+    graph: SpanGraph,
+    goal_at: NDArray[np.float64],
+    goal_cell: NDArray[np.int64],
+    stop_cell: int = -1,
 ) -> ShortestPaths:
     """Search from goals to all cells, or until `stop_cell` and its neighbours are settled.
 

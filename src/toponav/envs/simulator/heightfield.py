@@ -63,7 +63,7 @@ class _Pieces(NamedTuple):
 
     Attributes:
         column: (P,) int64.
-        extent: (P, 3) lowest and highest z of the piece, and the z of a foot at the column's centre.
+        extent: (P, 3) lowest and highest z of the piece, and that of a foot at the column's centre.
         flat: (P,) bool, whether the triangle is flat enough to stand on.
     """
 
@@ -250,11 +250,11 @@ def _merge(pieces, start, order, headroom, max_climb):  # type: ignore[no-untype
         for k in range(start[c], start[c + 1] + 1):
             is_end = k == start[c + 1]
             lowest = np.inf if is_end else pieces.extent[order[k], 0]
-            if lowest > top + CONTACT_GAP_M and lowest - foot >= headroom:
-                if top - flat_top <= climb:
-                    z[count], ceiling[count] = foot, lowest
-                    per_column[c] += 1
-                    count += 1
+            is_open = lowest > top + CONTACT_GAP_M and lowest - foot >= headroom
+            if is_open and top - flat_top <= climb:
+                z[count], ceiling[count] = foot, lowest
+                per_column[c] += 1
+                count += 1
             if is_end:
                 continue
             piece_top, piece_foot = pieces.extent[order[k], 1], pieces.extent[order[k], 2]

@@ -122,20 +122,18 @@ class NavigableSurface:
         cell = int(cell_at(self.graph, at, at_y, z, self.body.max_climb))
         return None if cell < 0 else ((at, at_y), cell)
 
-    def heights_at(self, xy: ArrayLike) -> list[list[float]]:
-        """Heights of the main island over each of (N, 2) places, from low to high."""
+    def points_over(self, xy: NDArray[np.float64]) -> Array:
+        """(M, 3) points of the main island over (N, 2) places, each on every storey it has."""
         graph = self.graph
-        columns = np.floor((np.asarray(xy, float) - graph.origin) / graph.cell_size).astype(int)
+        columns = np.floor((xy - graph.origin) / graph.cell_size).astype(np.int64)
         inside = np.all((columns >= 0) & (columns < graph.shape), axis=1)
-        heights: list[list[float]] = []
-        for (i, j), valid in zip(columns, inside, strict=True):
-            column = i * graph.shape[1] + j
-            cells = (
-                range(graph.column_start[column], graph.column_start[column + 1]) if valid else ()
-            )
-            on_main = [k for k in cells if graph.island[k] == self.main_island]
-            heights.append([float(graph.z[k]) for k in on_main])
-        return heights
+        column = columns[inside, 0] * graph.shape[1] + columns[inside, 1]
+        first, count = graph.column_start[column], np.diff(graph.column_start)[column]
+        place = np.repeat(np.arange(len(column)), count)
+        storey = np.arange(len(place)) - np.repeat(np.cumsum(count) - count, count)
+        cell = first[place] + storey
+        cell, place = (part[graph.island[cell] == self.main_island] for part in (cell, place))
+        return np.column_stack([xy[inside][place], graph.z[cell]])
 
     def snap(self, point: ArrayLike, max_distance: float = SNAP_DISTANCE_M) -> Array | None:
         """The nearest point of the surface, (3,), within some metres; None without one."""
@@ -143,10 +141,13 @@ class NavigableSurface:
         place = self.locate(target)
         if place is not None:
             return np.array([target[0], target[1], self.graph.z[place[1]]])
-        offset = self._centres() - target
-        distance = np.sqrt((offset**2).sum(axis=1))
+        centres = self._centres()
+        reach = 0.5 * self.graph.cell_size - CONTACT_MARGIN_M
+        closest = centres.copy()
+        closest[:, :2] += np.clip(target[:2] - centres[:, :2], -reach, reach)
+        distance = np.linalg.norm(closest - target, axis=1)
         nearest = int(np.argmin(distance))
-        return self._centres()[nearest] if distance[nearest] <= max_distance else None
+        return closest[nearest] if distance[nearest] <= max_distance else None
 
     def move(self, position: ArrayLike, yaw: float, distance: float) -> Motion:
         """Walk straight ahead without sliding: a blocked move ends where it touches.
@@ -156,24 +157,29 @@ class NavigableSurface:
             yaw: Heading, radians.
             distance: Metres.
 
+        Returns:
+            Where the agent is then, always on the surface.
+
         Raises:
             EpisodeError: The position is not on the surface.
         """
         start = np.asarray(position, dtype=np.float64)
         place = self.locate(start)
         if place is None:
-            raise EpisodeError(f"nobody can stand at {np.round(start, 2).tolist()}")
+            raise EpisodeError(
+                f"nobody can stand at {np.round(start, 2).tolist()}: snap the position to the "
+                "navigable surface first"
+            )
+        at, cell = place
         direction = np.array([math.cos(yaw), math.sin(yaw)])
-        (x, y), cell = place
-        cells = distance / self.graph.cell_size
-        end = (x + cells * direction[0], y + cells * direction[1])
-        fraction, last, _ = walk(self.graph, cell, (x, y), end)
-        collided = bool(fraction < 1.0)
-        travelled = fraction * distance
-        if collided:
-            travelled = max(0.0, travelled - CONTACT_MARGIN_M)
-        reached = start[:2] + travelled * direction
-        return Motion(np.array([*reached, self.graph.z[last]]), collided)
+        ahead = distance / self.graph.cell_size * direction
+        fraction, last, _ = walk(self.graph, cell, at, (at[0] + ahead[0], at[1] + ahead[1]))
+        reached = self._settle(start[:2] + fraction * distance * direction, last)
+        if fraction == 1.0 and reached is not None:
+            return Motion(reached, collided=False)
+        travelled = max(0.0, fraction * distance - CONTACT_MARGIN_M)
+        reached = self._settle(start[:2] + travelled * direction, last)
+        return Motion(start if reached is None else reached, collided=True)
 
     def distance_field(self, goals: ArrayLike) -> DistanceField:
         """Distances to the nearest of (N, 3) goals; goals off the surface count for nothing."""
@@ -217,10 +223,20 @@ class NavigableSurface:
             allowed &= np.abs(self.graph.z - floor_z) <= FLOOR_TOLERANCE_M
         cells = np.flatnonzero(allowed)
         if not len(cells):
-            raise InputError(f"nobody can stand at height {floor_z} m")
+            raise InputError(
+                f"the main island does not reach the height {floor_z} m: choose another floor"
+            )
         cell = int(cells[rng.integers(len(cells))])
         dx, dy = rng.random(2)
         return self._world((self.graph.x[cell] + dx, self.graph.y[cell] + dy), cell)
+
+    def _settle(self, xy: Array, near_cell: int) -> Array | None:
+        """The (3,) surface point over a place in or just beside a cell, or None."""
+        at = (xy - self.graph.origin) / self.graph.cell_size
+        # Cells of one column are a body's height apart, so half of it tells the storeys apart.
+        z, tolerance = self.graph.z[near_cell], 0.5 * self.body.height
+        cell = cell_at(self.graph, at[0], at[1], z, tolerance)
+        return None if cell < 0 else np.array([*xy, self.graph.z[cell]])
 
     def _world(self, at: tuple[float, float], cell: int) -> Array:
         """(3,) world point of (x, y) in columns in a cell."""
