@@ -20,7 +20,7 @@ REASONING = MEMORY | {"reasoning"}
 POLICY = REASONING | {"policy"}
 CONTROL = POLICY | {"control"}
 AGENTS = CONTROL | {"config", "navigator", "baselines", "methods"}
-EVALUATION = AGENTS | {"envs", "scenes", "datasets", "evaluation"}
+EVALUATION = AGENTS | {"envs", "scenes", "evaluation"}
 ALLOWED = {
     "errors": set(),
     "config_model": set(),
@@ -40,8 +40,7 @@ ALLOWED = {
     "baselines": AGENTS - {"navigator", "methods"},
     "methods": AGENTS,
     "scenes": SCENES,
-    "datasets": BASE | {"datasets"},
-    "envs": SCENES | {"envs", "datasets"},
+    "envs": SCENES | {"envs"},
     "evaluation": EVALUATION,
     "viz": EVALUATION | {"viz"},
     "cli": EVALUATION | {"viz", "cli"},

@@ -1,1 +1,1 @@
-"""TODO-DOC baselines."""
+"""Other methods on TopoNav's own map, perception, planner and stop rule, one file each."""

@@ -1,1 +1,1 @@
-"""TODO-DOC viz."""
+"""Pictures of what happened; they observe, and nothing below imports them."""
