@@ -27,7 +27,8 @@ check: $(VENV)/.installed ## Lint, formatting and types
 	$(BIN)/mypy
 
 docs: $(VENV)/.installed ## Draw the pictures of the documentation anew
-	$(BIN)/python docs/make_pictures.py
+	$(BIN)/python docs/make_furniture_sheet.py
+	$(BIN)/python docs/make_demo_picture.py
 
 bench: $(VENV)/.installed ## Print the performance figures
 	$(BIN)/toponav bench sim

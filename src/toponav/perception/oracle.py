@@ -43,9 +43,7 @@ class OracleDetector:
         pixels = np.bincount(ids[ids >= 0], minlength=len(frame.instances))
         threshold = max(1.0, self._config.min_pixels_per_megapixel * height * width * 1e-6)
         seen = [
-            k
-            for k in np.flatnonzero(pixels >= threshold)
-            if frame.instances[k].category in wanted
+            k for k in np.flatnonzero(pixels >= threshold) if frame.instances[k].category in wanted
         ]
         if not seen:
             return Detections.empty(height, width)
