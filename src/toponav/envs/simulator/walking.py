@@ -60,37 +60,42 @@ def walk(graph, cell, start, end):  # type: ignore[no-untyped-def]
     metres = math.hypot(dx, dy) * graph.cell_size
     along_x = 0 if dx > 0.0 else 2
     along_y = 1 if dy > 0.0 else 3
+    # Borders still to cross: counted, so that rounding cannot miss one at the very end.
+    left_x = abs(math.floor(end[0]) - graph.x[cell])
+    left_y = abs(math.floor(end[1]) - graph.y[cell])
     # Fractions of the way at which the walk leaves its cell through a border along x and along y.
-    every_x = 1.0 / abs(dx) if dx != 0.0 else np.inf
-    every_y = 1.0 / abs(dy) if dy != 0.0 else np.inf
-    next_x = (graph.x[cell] + (dx > 0.0) - x0) / dx if dx != 0.0 else np.inf
-    next_y = (graph.y[cell] + (dy > 0.0) - y0) / dy if dy != 0.0 else np.inf
+    every_x = 1.0 / abs(dx) if left_x else np.inf
+    every_y = 1.0 / abs(dy) if left_y else np.inf
+    next_x = (graph.x[cell] + (dx > 0.0) - x0) / dx if left_x else np.inf
+    next_y = (graph.y[cell] + (dy > 0.0) - y0) / dy if left_y else np.inf
     tie = CORNER_TIE * min(every_x, every_y)
     stride = STRIDE_M / metres if metres > 0.0 else np.inf
-    next_stride, stride_z, length = stride, graph.z[cell], 0.0
+    walked, stride_z, length = 0.0, graph.z[cell], 0.0
+    reached = 1.0
     while True:
-        leaving = min(next_x, next_y)
-        while next_stride < min(leaving, 1.0):
+        border = min(next_x, next_y, 1.0)
+        while walked + stride < border:
             length += math.hypot(STRIDE_M, graph.z[cell] - stride_z)
             stride_z = graph.z[cell]
-            next_stride += stride
-        if leaving > 1.0:
-            leaving, target = 1.0, cell
+            walked += stride
+        if not (left_x or left_y):
             break
-        if abs(next_x - next_y) <= tie:
+        if left_x and left_y and abs(next_x - next_y) <= tie:
             target = diagonal(graph, cell, along_x, along_y)
-            next_x += every_x
-            next_y += every_y
+            cross_x, cross_y = 1, 1
         elif next_x < next_y:
             target = graph.links[cell, along_x]
-            next_x += every_x
+            cross_x, cross_y = 1, 0
         else:
             target = graph.links[cell, along_y]
-            next_y += every_y
+            cross_x, cross_y = 0, 1
         if target < 0:
-            leaving = min(max(leaving, 0.0), 1.0 - CORNER_TIE)
+            reached = min(max(border, 0.0), 1.0 - CORNER_TIE)
             break
         cell = target
-    rest = (leaving - (next_stride - stride)) * metres if metres > 0.0 else 0.0
-    length += math.hypot(rest, graph.z[cell] - stride_z)
-    return leaving, cell, length
+        left_x -= cross_x
+        left_y -= cross_y
+        next_x = next_x + cross_x * every_x if left_x else np.inf
+        next_y = next_y + cross_y * every_y if left_y else np.inf
+    length += math.hypot((reached - walked) * metres, graph.z[cell] - stride_z)
+    return reached, cell, length
