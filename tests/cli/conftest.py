@@ -9,8 +9,6 @@ import pytest
 from toponav.scenes.generate import generate_house
 from toponav.scenes.house_io import save_house
 
-SMALL = ("--camera", "160x120")
-
 
 @pytest.fixture(scope="session")
 def house(tmp_path_factory: pytest.TempPathFactory) -> Path:

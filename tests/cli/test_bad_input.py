@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
-from conftest import SMALL
 from PIL import Image
 
+from small_house import SMALL
 from toponav.cli.main import main
 
 SQUARE = [[0, 0], [4, 0], [4, 4], [0, 4]]
@@ -164,7 +164,7 @@ def test_damaged_recordings(
 def test_interrupting_an_evaluation_leaves_readable_results(house: Path, tmp_path: Path) -> None:
     code = "import sys; from toponav.cli.main import main; sys.exit(main())"
     process = subprocess.Popen(
-        [sys.executable, "-c", code, "eval", str(house), "--episodes", "500", "--max-steps", "5",
+        [sys.executable, "-c", code, "eval", str(house), "--episodes", "80", "--max-steps", "8",
          *SMALL, "--out", str(tmp_path)],
         stderr=subprocess.PIPE, text=True,
     )  # fmt: skip

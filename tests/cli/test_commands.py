@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import SMALL
 from PIL import Image
 
+from small_house import SMALL
 from toponav.cli.main import main
 from toponav.config import load_config
 from toponav.evaluation.run_config import RunConfig

@@ -1,0 +1,89 @@
+"""What every registered detector owes its caller."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from small_house import small_runner
+from toponav.categories import DEFAULT_VOCABULARY
+from toponav.envs.simulator import HouseEnv
+from toponav.perception import Detector, detectors
+from toponav.types import Action, Detections, Instance, SemanticFrame
+
+every_detector = pytest.mark.parametrize("name", detectors.names())
+
+
+@cache
+def env() -> HouseEnv:
+    return small_runner().env
+
+
+def build(name: str) -> Detector:
+    return detectors.get(name)(env().oracle, 3)
+
+
+def look_around(detector: Detector, vocabulary: tuple[str, ...]) -> list[Detections]:
+    """Detections of a full turn at the start of the scene's first episode."""
+    env().reset(seed=0, options={"target": "toilet"})
+    seen = []
+    for _ in range(12):
+        seen.append(detector.detect(env().observe().rgb, vocabulary))
+        env().step(int(Action.TURN_LEFT))
+    return seen
+
+
+@every_detector
+def test_detections_keep_the_contract(name: str) -> None:
+    seen = look_around(build(name), DEFAULT_VOCABULARY)
+    height, width = env().intrinsics.height, env().intrinsics.width
+    assert sum(len(detections) for detections in seen) > 0
+    for detections in seen:
+        assert set(detections.labels) <= set(DEFAULT_VOCABULARY)
+        assert detections.scores.dtype == np.float32
+        assert ((detections.scores >= 0.0) & (detections.scores <= 1.0)).all()
+        assert detections.masks.dtype == np.bool_
+        assert detections.masks.shape[1:] == (height, width)
+        assert detections.boxes.dtype == np.float32
+        x_min, y_min, x_max, y_max = detections.boxes.T
+        assert ((x_min >= 0) & (x_min < x_max) & (x_max <= width)).all()
+        assert ((y_min >= 0) & (y_min < y_max) & (y_max <= height)).all()
+
+
+@every_detector
+def test_the_same_images_give_the_same_detections(name: str) -> None:
+    first = look_around(build(name), DEFAULT_VOCABULARY)
+    for a, b in zip(first, look_around(build(name), DEFAULT_VOCABULARY), strict=True):
+        assert a.labels == b.labels
+        np.testing.assert_array_equal(a.scores, b.scores)
+        np.testing.assert_array_equal(a.boxes, b.boxes)
+        np.testing.assert_array_equal(a.masks, b.masks)
+
+
+@every_detector
+@pytest.mark.parametrize("vocabulary", [(), ("unicorn",), ("unicorn", "dragon")])
+def test_what_is_not_there_is_never_found(name: str, vocabulary: tuple[str, ...]) -> None:
+    assert all(not len(detections) for detections in look_around(build(name), vocabulary))
+
+
+@every_detector
+def test_labels_are_spelled_as_they_were_asked_for(name: str) -> None:
+    asked = ("TV monitor", "Sofa", "potted plant", "shoe rack", "Picture")
+    labels = {label for seen in look_around(build(name), asked) for label in seen.labels}
+    assert labels
+    assert labels <= set(asked)
+
+
+@every_detector
+def test_an_image_of_one_pixel_will_do(name: str) -> None:
+    class OnePixel:
+        """A single pixel that shows a chair."""
+
+        def semantic_frame(self) -> SemanticFrame:
+            return SemanticFrame(np.zeros((1, 1), np.int32), (Instance(0, "chair_0", "chair"),))
+
+    detector = detectors.get(name)(OnePixel(), 0)
+    detections = detector.detect(np.zeros((1, 1, 3), np.uint8), ("chair",))
+    assert detections.masks.shape[1:] == (1, 1)
