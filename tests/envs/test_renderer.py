@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from box_scenes import mesh_of, room
+from ray_reference import brute_force
 
 from toponav.envs.simulator.raycaster import RayCaster
 from toponav.envs.simulator.renderer import NO_INSTANCE, Renderer
@@ -39,25 +40,6 @@ def test_depth_of_a_box_room_is_exact_to_a_millimetre(seed: int, offset: float) 
     pose = camera_pose(np.random.default_rng(seed), offset)
     frame = Renderer(mesh).render(pose, CAMERA)
     np.testing.assert_allclose(frame.depth, analytic_depth(pose, offset), atol=1e-3)
-
-
-def brute_force(mesh: SceneMesh, origin: np.ndarray, directions: np.ndarray):
-    """Moeller and Trumbore's test of every ray with every triangle: distance and face."""
-    a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
-    edge_1, edge_2 = b - a, c - a
-    p = np.cross(directions[:, None], edge_2[None])
-    determinant = (edge_1 * p).sum(-1)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        s = origin - a
-        u = (s * p).sum(-1) / determinant
-        q = np.cross(s, edge_1)
-        v = (directions[:, None] * q).sum(-1) / determinant
-        t = (edge_2 * q).sum(-1) / determinant
-    hit = (np.abs(determinant) > 1e-12) & (u >= 0) & (v >= 0) & (u + v <= 1) & (t > 1e-6)
-    t = np.where(hit, t, np.inf)
-    face = t.argmin(axis=1)
-    distance = t.min(axis=1)
-    return distance, np.where(np.isfinite(distance), face, -1)
 
 
 @pytest.mark.parametrize("seed", range(6))

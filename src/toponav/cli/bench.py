@@ -43,9 +43,9 @@ class Bench:
         width, height = image_size(self.camera)
         figures = bench_sim(load_scene(self.scene, self.labels), width, height, self.frames)
         line = (
-            f"{figures['scene']}: {figures['sim_fps']['embree']:.1f} frames/s "
+            f"{figures['scene']}: {figures['sim_fps']['raster']:.1f} frames/s "
             f"at {width} x {height} (median {figures['frame_ms']:.1f} ms, "
-            f"of which Embree {figures['embree_ms']:.1f} ms; "
+            f"with Embree {figures['sim_fps']['embree']:.1f} frames/s; "
             f"{figures['triangles']} triangles, one of {figures['cores']} cores); "
             f"navigable surface in {figures['surface_s']:.2f} s"
         )

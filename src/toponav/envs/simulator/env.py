@@ -112,7 +112,7 @@ class HouseEnv(gymnasium.Env[dict[str, Any], Any]):
         self.intrinsics = Intrinsics.from_hfov(*size, self.config.hfov_deg)
         self.surface = NavigableSurface.build(self.scene.mesh, self.config.body, self.scene.floors)
         caster = RayCaster(self.scene.mesh)
-        self._renderer = Renderer(self.scene.mesh, caster)
+        self._renderer = Renderer(self.scene.mesh)
         self.oracle = SceneOracle(self.scene, self.surface, caster, self)
         self.observation_space = _observation_space(*size)
         self.action_space = spaces.Discrete(len(Action))

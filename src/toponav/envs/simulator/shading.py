@@ -1,0 +1,171 @@
+"""Colour, depth and instance of each pixel from the triangle that it sees."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from toponav.envs.simulator.homogeneous import Vector, cross, dot, minus, to_pixel
+
+AMBIENT = 0.42
+"""Share of light that falls everywhere."""
+SKY = 0.18
+"""Share that falls from above: it tells table tops from their fronts."""
+HEADLIGHT = 0.28
+"""Share that comes from the camera: it shapes round things."""
+SIDE = 0.16
+"""Share that comes from one side: it tells a room's walls from each other."""
+SIDE_DIRECTION = (0.48, 0.80, 0.36)
+"""Unit vector towards the side light."""
+FALLOFF_PER_M = 0.035
+"""Darkening with distance, a depth cue; at most half."""
+
+
+class View(NamedTuple):
+    """A camera and what it sees.
+
+    Attributes:
+        faces: (H, W) int32 visible triangles; negative for none.
+        pixels_from_world: (3, 3) from X - eye to homogeneous pixel coordinates.
+        eye: (3,) world coordinates, metres.
+        camera: fx, fy, cx, cy in pixels.
+    """
+
+    faces: NDArray[np.int32]
+    pixels_from_world: NDArray[np.float64]
+    eye: NDArray[np.float64]
+    camera: tuple[float, float, float, float]
+
+
+class Surfaces(NamedTuple):
+    """A scene's triangles and how they look; all textures lie in one array.
+
+    Attributes:
+        vertices: (V, 3) float64, metres.
+        faces: (F, 3) int32.
+        normals: (F, 3) float64 unit normals, zero for degenerate triangles.
+        uv: (F, 3, 2) float32 texture coordinates.
+        material: (F,) int32.
+        instance: (F,) int32.
+        corner_colors: (F, 3, 3) uint8 that multiply the texture; (0, 3, 3) for none.
+        texels: (T, 3) uint8, row by row, material after material.
+        offset: (M,) first texel of each material.
+        size: (M, 2) its rows and columns.
+    """
+
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.int32]
+    normals: NDArray[np.float64]
+    uv: NDArray[np.float32]
+    material: NDArray[np.int32]
+    instance: NDArray[np.int32]
+    corner_colors: NDArray[np.uint8]
+    texels: NDArray[np.uint8]
+    offset: NDArray[np.int64]
+    size: NDArray[np.int64]
+
+
+class Images(NamedTuple):
+    """What is written: (H, W, 3) uint8, (H, W) float32 metres, (H, W) int32."""
+
+    rgb: NDArray[np.uint8]
+    depth: NDArray[np.float32]
+    instance_ids: NDArray[np.int32]
+
+
+class _Facet(NamedTuple):
+    """What the pixels of one triangle share.
+
+    With p = (u, v, 1), one over the depth is normal . p / offset, and the weights of the second
+    and third corner are second . p / normal . p and third . p / normal . p.
+    """
+
+    normal: Vector
+    offset: float
+    second: Vector
+    third: Vector
+    eye_distance: float
+    light: float
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def shade(view: View, surfaces: Surfaces, images: Images) -> None:
+    """Fill the images; pixels that see nothing stay as they are."""
+    height, width = view.faces.shape
+    fx, fy, cx, cy = view.camera
+    for v in range(height):
+        y = (v - cy) / fy
+        last = -1
+        facet = _facet(view, surfaces, 0)
+        for u in range(width):
+            f = view.faces[v, u]
+            if f < 0:
+                continue
+            if f != last:
+                facet = _facet(view, surfaces, f)
+                last = f
+            pixel = (float(u), float(v), 1.0)
+            along = dot(facet.normal, pixel)
+            inverse_depth = along / facet.offset
+            if not inverse_depth > 0.0:  # seen edge-on
+                continue
+            depth = 1.0 / inverse_depth
+            images.depth[v, u] = depth
+            images.instance_ids[v, u] = surfaces.instance[f]
+            x = (u - cx) / fx
+            ray_length = np.sqrt(x * x + y * y + 1.0)
+            facing = facet.eye_distance * inverse_depth / ray_length
+            light = facet.light + HEADLIGHT * facing
+            light *= max(0.5, 1.0 - FALLOFF_PER_M * depth * ray_length)
+            b, c = dot(facet.second, pixel) / along, dot(facet.third, pixel) / along
+            red, green, blue = _albedo(surfaces, f, b, c)
+            images.rgb[v, u, 0] = min(255, int(light * red + 0.5))
+            images.rgb[v, u, 1] = min(255, int(light * green + 0.5))
+            images.rgb[v, u, 2] = min(255, int(light * blue + 0.5))
+
+
+@njit(cache=True, nogil=True)
+def _facet(view: View, surfaces: Surfaces, f: int) -> _Facet:
+    """Prepare triangle f."""
+    first = surfaces.faces[f, 0]
+    a = to_pixel(surfaces.vertices, first, view.pixels_from_world, view.eye)
+    b = to_pixel(surfaces.vertices, surfaces.faces[f, 1], view.pixels_from_world, view.eye)
+    c = to_pixel(surfaces.vertices, surfaces.faces[f, 2], view.pixels_from_world, view.eye)
+    normal = cross(minus(b, a), minus(c, a))
+    x, y, z = surfaces.normals[f, 0], surfaces.normals[f, 1], surfaces.normals[f, 2]
+    away = (
+        x * (surfaces.vertices[first, 0] - view.eye[0])
+        + y * (surfaces.vertices[first, 1] - view.eye[1])
+        + z * (surfaces.vertices[first, 2] - view.eye[2])
+    )
+    if away > 0.0:  # seen from behind: light the side that is seen
+        x, y, z = -x, -y, -z
+    side = x * SIDE_DIRECTION[0] + y * SIDE_DIRECTION[1] + z * SIDE_DIRECTION[2]
+    light = AMBIENT + SKY * (0.5 + 0.5 * z) + SIDE * (0.5 + 0.5 * side)
+    return _Facet(normal, dot(normal, a), cross(c, a), cross(a, b), abs(away), light)
+
+
+@njit(cache=True, nogil=True)
+def _albedo(surfaces: Surfaces, f: int, b: float, c: float) -> Vector:
+    """Colour, 0 to 255, of the point with weights b and c of the second and third corner."""
+    a = 1.0 - b - c
+    uv = surfaces.uv[f]
+    u = a * uv[0, 0] + b * uv[1, 0] + c * uv[2, 0]
+    v = a * uv[0, 1] + b * uv[1, 1] + c * uv[2, 1]
+    material = surfaces.material[f]
+    rows, columns = surfaces.size[material, 0], surfaces.size[material, 1]
+    column = min(int((u - np.floor(u)) * columns), columns - 1)
+    row = min(int((1.0 - (v - np.floor(v))) * rows), rows - 1)
+    texel = surfaces.texels[surfaces.offset[material] + row * columns + column]
+    red, green, blue = float(texel[0]), float(texel[1]), float(texel[2])
+    if len(surfaces.corner_colors) == 0:
+        return red, green, blue
+    tint = surfaces.corner_colors[f]
+    return (
+        red * (a * tint[0, 0] + b * tint[1, 0] + c * tint[2, 0]) / 255.0,
+        green * (a * tint[0, 1] + b * tint[1, 1] + c * tint[2, 1]) / 255.0,
+        blue * (a * tint[0, 2] + b * tint[1, 2] + c * tint[2, 2]) / 255.0,
+    )
