@@ -1,4 +1,4 @@
-"""The embedded simulator: ray-cast images, exact motion and geodesics in any triangle scene."""
+"""The embedded simulator: posed RGB-D images, exact motion and geodesics in any triangle scene."""
 
 from toponav.envs.simulator.env import HouseEnv, HouseEnvConfig
 
