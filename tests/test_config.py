@@ -135,4 +135,4 @@ def test_wrong_overrides_say_what_is_known(key: str, value: str, says: str) -> N
 
 def test_configurations_are_frozen() -> None:
     with pytest.raises(ValidationError):
-        preset("paper").memory.d_merge = 3.0  # type: ignore[misc]
+        preset("paper").memory.d_merge = 3.0

@@ -203,6 +203,17 @@ def test_an_agent_that_saw_nothing_closes_without_a_map() -> None:
     assert not memory.nodes
 
 
+def shows(word: str, decision: Decision) -> bool:
+    """Whether any node that the reasoner saw had the attribute."""
+    assert decision.memory is not None
+    nodes = decision.memory.nodes
+    return {
+        "rooms": any(node.room_type != "unknown" for node in nodes),
+        "objects": any(node.objects for node in nodes),
+        "frontiers": any(node.frontier_count > 0 for node in nodes),
+    }[word]
+
+
 @pytest.mark.parametrize("word", ["rooms", "objects", "frontiers"])
 def test_an_ablated_attribute_is_hidden_from_the_reasoner(word: str) -> None:
     overrides = {f"navigator.memory.include_{word}": "false"}
@@ -211,13 +222,8 @@ def test_an_ablated_attribute_is_hidden_from_the_reasoner(word: str) -> None:
     assert full[1].memory is not None
     assert less[1].memory is not None
     assert full[1].memory.text != less[1].memory.text
-    shown = {
-        "rooms": lambda node: node.room_type != "unknown",
-        "objects": lambda node: bool(node.objects),
-        "frontiers": lambda node: node.frontier_count > 0,
-    }[word]
-    assert any(shown(node) for d in full if d.memory is not None for node in d.memory.nodes)
-    assert not any(shown(node) for d in less if d.memory is not None for node in d.memory.nodes)
+    assert any(shows(word, decision) for decision in full)
+    assert not any(shows(word, decision) for decision in less)
 
 
 @pytest.mark.parametrize("term", ["dir", "node", "front", "hist"])

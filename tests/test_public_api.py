@@ -31,7 +31,7 @@ def test_the_names_are_listed_and_no_others_exist() -> None:
     assert set(dir(toponav)) == {*toponav.__all__, "__version__"}
     assert toponav.__all__ == sorted(toponav.__all__)
     with pytest.raises(AttributeError, match="nonsense"):
-        _ = toponav.nonsense  # type: ignore[attr-defined]
+        _ = toponav.nonsense
 
 
 def test_a_search_written_with_public_names_alone() -> None:

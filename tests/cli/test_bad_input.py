@@ -76,6 +76,16 @@ def test_an_empty_folder(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> 
     fails(capsys, "eval", str(empty), "--out", str(tmp_path / "out"), says="no scene")
 
 
+@pytest.mark.parametrize("count", ["0", "-1"])
+def test_counts_that_leave_nothing_to_do(
+    capsys: pytest.CaptureFixture[str], house: Path, tmp_path: Path, count: str
+) -> None:
+    out = tmp_path / "out"
+    fails(capsys, "eval", str(house), "--episodes", count, "--out", str(out), says="--episodes")
+    fails(capsys, "bench", "sim", str(house), "--frames", count, says="--frames")
+    assert not list(out.iterdir())
+
+
 def test_a_mesh_without_floor(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     wall = trimesh.creation.box(extents=(0.05, 2.0, 2.0))
     path = tmp_path / "wall.glb"
@@ -89,6 +99,9 @@ def test_a_mesh_without_floor(capsys: pytest.CaptureFixture[str], tmp_path: Path
         (["--target", "unicorn"], "no reachable unicorn; it has"),
         (["--start", "99,99,0,0"], "nobody can stand at 99.00"),
         (["--start", "1,2"], "--start takes x,y,z,yaw"),
+        (["--max-steps", "0"], "max_steps"),
+        (["--seed", "-1"], "seed"),
+        (["--start", "nan,0,0,0"], "NaN"),
         (["--camera", "big"], "WIDTHxHEIGHT"),
         (["--method", "magic"], "unknown method 'magic'; known: frontier, random, toponav"),
         (["--detector", "magic"], "unknown detector 'magic'; known: oracle"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from itertools import pairwise
@@ -79,7 +80,10 @@ def test_the_same_seed_gives_the_same_bytes_also_in_a_fresh_process(
     assert main([*arguments, str(again)]) == 0
     code = "import sys; from toponav.cli.main import main; sys.exit(main())"
     subprocess.run(
-        [sys.executable, "-c", code, *arguments, str(fresh)], check=True, capture_output=True
+        [sys.executable, "-c", code, *arguments, str(fresh)],
+        check=True,
+        capture_output=True,
+        env={**os.environ, "PYTHONHASHSEED": "12345"},
     )
     first = (searched / "trajectory.jsonl").read_bytes()
     assert first

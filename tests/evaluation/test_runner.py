@@ -221,6 +221,6 @@ def test_the_length_of_a_walk_is_the_true_one_and_not_that_of_the_odometry() -> 
     exact, _ = rolled(Scripted(WALK))
     trail = Trail(env)
     rollout = roll_out(env, Scripted(WALK), spec(), (trail,))
-    reported = sum(np.linalg.norm(b - a) for a, b in pairwise(trail.positions))
+    reported = sum(float(np.linalg.norm(b - a)) for a, b in pairwise(trail.positions))
     assert rollout.path_length == pytest.approx(exact.path_length, abs=1e-9)
     assert abs(reported - rollout.path_length) > 0.01

@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 import tyro
 
 from toponav.cli.options import JsonFlag
+from toponav.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,8 @@ class Bench:
         from toponav.evaluation.bench_sim import bench_sim
         from toponav.scenes.loading import load_scene
 
+        if self.frames < 1:
+            raise InputError(f"--frames takes a positive number, not {self.frames}")
         width, height = image_size(self.camera)
         figures = bench_sim(load_scene(self.scene, self.labels), width, height, self.frames)
         line = (

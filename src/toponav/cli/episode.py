@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from toponav.categories import readable
 from toponav.cli.console import Output
 from toponav.cli.options import AgentOptions, image_size, overrides
-from toponav.config import config_json, with_overrides
+from toponav.config import config_json, parse_config, with_overrides
 from toponav.envs.simulator import HouseEnvConfig
 from toponav.evaluation.recorder import EpisodeRecorder
 from toponav.evaluation.results import EpisodeResult, to_json
@@ -36,7 +36,8 @@ def resolve_config(options: AgentOptions) -> RunConfig:
         InputError: A value that cannot be used; the message names it.
     """
     width, height = image_size(options.camera)
-    env = HouseEnvConfig(width=width, height=height, max_steps=options.max_steps)
+    size_and_limit = {"width": width, "height": height, "max_steps": options.max_steps}
+    env = parse_config(HouseEnvConfig, size_and_limit, "the command line")
     config = run_config(options.preset, options.method, options.seed, env)
     config = config.model_copy(update={"detector": options.detector, "reasoner": options.reasoner})
     return with_overrides(config, overrides(options.set))

@@ -51,6 +51,8 @@ def evaluate(
     Raises:
         InputError: Nothing to run, or the folder holds the episodes of another run.
     """
+    if episodes is not None and episodes < 1:
+        raise InputError(f"--episodes takes a positive number, not {episodes}")
     scenes = list_scenes(source)
     results_path = folder / "episodes.jsonl"
     if results_path.exists():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from toponav.config import NavigatorConfig, preset
+from toponav.config import NavigatorConfig, parse_config, preset
 from toponav.config_model import ConfigModel
 from toponav.envs.simulator import HouseEnvConfig
 
@@ -24,7 +24,7 @@ class RunConfig(ConfigModel):
     reasoner: str = "prior"
     """What plays the VLM; `prior` is offline and deterministic."""
 
-    seed: int = 0
+    seed: int = Field(default=0, ge=0)
     """Seed of the run; episodes derive theirs from it."""
 
     navigator: NavigatorConfig = Field(default_factory=NavigatorConfig)
@@ -40,12 +40,13 @@ def run_config(
     """The configuration of a preset.
 
     Raises:
-        ConfigError: Unknown preset.
+        ConfigError: Unknown preset, or a negative seed.
     """
-    return RunConfig(
-        method=method,
-        preset=preset_name,
-        seed=seed,
-        navigator=preset(preset_name),
-        env=env or HouseEnvConfig(),
-    )
+    values = {
+        "method": method,
+        "preset": preset_name,
+        "seed": seed,
+        "navigator": preset(preset_name),
+        "env": env or HouseEnvConfig(),
+    }
+    return parse_config(RunConfig, values, "the run")
