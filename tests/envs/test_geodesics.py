@@ -92,6 +92,16 @@ def test_a_field_of_many_goals_is_the_nearest_of_each() -> None:
         assert together.at(point) == pytest.approx(nearest, abs=CORNER_ERROR_M)
 
 
+def test_a_single_distance_is_that_of_the_field() -> None:
+    surface = surface_of(random_mask(7, 40, 0.01, 3.6))
+    rng = np.random.default_rng(1)
+    goal = surface.random_point(rng)
+    field = surface.distance_field(goal)
+    for _ in range(40):
+        start = surface.random_point(rng)
+        assert surface.geodesic_distance(start, goal) == pytest.approx(field.at(start), abs=1e-9)
+
+
 def test_close_to_goals_that_share_a_cell_each_distance_is_exact() -> None:
     surface = surface_of(np.ones((40, 40), np.bool_))
     goals = np.array([[1.001, 1.001, 0.0], [1.049, 1.049, 0.0]])

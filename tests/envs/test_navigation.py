@@ -67,7 +67,7 @@ def test_geodesics_agree_with_dijkstra_on_a_fine_grid(surface: NavigableSurface)
 
 
 def test_geodesic_round_a_corner_is_the_worked_length(surface: NavigableSurface) -> None:
-    # From (2, 1) to (4, 1) round the wall's end: a tangent to the circle of the agent's radius about
+    # From (2, 1) to (4, 1) round the wall: a tangent to the circle of the agent's radius about
     # each of its two corners, the arc up to the top, and the wall's thickness between.
     start, goal = (2.0, 1.0, 0.0), (4.0, 1.0, 0.0)
     to_corner = math.hypot(0.9, 1.6)

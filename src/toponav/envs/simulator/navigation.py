@@ -33,6 +33,8 @@ FLOOR_TOLERANCE_M = 0.2
 __all__ = ["AgentBody", "DistanceField", "Motion", "NavigableSurface"]
 
 Array = NDArray[np.float64]
+Place = tuple[tuple[float, float], int]
+"""(x, y) in columns, and the cell there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,7 +116,7 @@ class NavigableSurface:
         """Whether the agent's foot can be at a (3,) point, its height within a climb."""
         return self.locate(point) is not None
 
-    def locate(self, point: ArrayLike) -> tuple[tuple[float, float], int] | None:
+    def locate(self, point: ArrayLike) -> Place | None:
         """(x, y) in columns and the cell of a (3,) point; None off the surface."""
         x, y, z = (float(v) for v in np.asarray(point, dtype=np.float64))
         at = (x - self.graph.origin[0]) / self.graph.cell_size
@@ -193,18 +195,21 @@ class NavigableSurface:
 
     def geodesic_distance(self, start: ArrayLike, goal: ArrayLike) -> float:
         """Length of the shortest path between two (3,) points; infinite without one."""
-        return self.distance_field(goal).at(start)
+        here, there = self.locate(start), self.locate(goal)
+        if here is None or there is None:
+            return math.inf
+        return distance_at(self.graph, self._paths_between(here, there), *here)[0]
 
     def shortest_path(self, start: ArrayLike, goal: ArrayLike) -> Array:
         """(K, 3) corners of the shortest path between two (3,) points; empty without one."""
         here, there = self.locate(start), self.locate(goal)
         if here is None or there is None:
             return np.zeros((0, 3))
-        tree = shortest_paths(self.graph, np.array([there[0]]), np.array([there[1]]), here[1])
+        tree = self._paths_between(here, there)
         distance, node = distance_at(self.graph, tree, *here)
         if not math.isfinite(distance):
             return np.zeros((0, 3))
-        corners = [self._world(here[0], here[1])]
+        corners = [self._world(*here)]
         while True:
             at = (float(tree.at[node, 0]), float(tree.at[node, 1]))
             corners.append(self._world(at, int(tree.cell[node])))
@@ -229,6 +234,11 @@ class NavigableSurface:
         cell = int(cells[rng.integers(len(cells))])
         dx, dy = rng.random(2)
         return self._world((self.graph.x[cell] + dx, self.graph.y[cell] + dy), cell)
+
+    def _paths_between(self, here: Place, there: Place) -> ShortestPaths:
+        """Shortest paths to `there`, searched no farther than `here`."""
+        at, cell = there
+        return shortest_paths(self.graph, np.array([at]), np.array([cell]), stop_cell=here[1])
 
     def _settle(self, xy: Array, near_cell: int) -> Array | None:
         """The (3,) surface point over a place in or just beside a cell, or None."""
