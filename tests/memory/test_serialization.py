@@ -66,9 +66,10 @@ def test_a_failed_save_keeps_the_old_file(tmp_path, monkeypatch):
     assert [file.name for file in tmp_path.iterdir()] == ["memory.json"]
 
 
-def test_saving_into_a_missing_folder_is_an_error(tmp_path):
+def test_saving_below_a_file_is_an_error(tmp_path):
+    (tmp_path / "file").write_text("mine")
     with pytest.raises(InputError, match="cannot write memory"):
-        save_memory(TopologicalMemory(), tmp_path / "nowhere" / "memory.json")
+        save_memory(TopologicalMemory(), tmp_path / "file" / "memory.json")
 
 
 def golden_with(*path_and_value: object) -> str:

@@ -7,14 +7,13 @@ only where that frame is known, as on a robot with a map or in a simulator's sce
 from __future__ import annotations
 
 import json
-import os
-import tempfile
 from pathlib import Path
 from typing import Annotated, Final, Literal, NoReturn
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from toponav.errors import InputError
+from toponav.files import write_atomic
 from toponav.memory.graph import TopologicalMemory
 from toponav.memory.snapshot import EdgeView, NodeView
 
@@ -71,7 +70,7 @@ def save_memory(memory: TopologicalMemory, path: Path | str) -> None:
     text = record.model_dump_json(indent=1) + "\n"
     target = Path(path)
     try:
-        _replace_atomically(target, text)
+        write_atomic(target, text)
     except OSError as error:
         raise InputError(f"cannot write memory {target}: {error.strerror}") from error
 
@@ -107,19 +106,6 @@ def load_memory(path: Path | str) -> TopologicalMemory:
         raise InputError(f"memory {source}: {where}: {first['msg']}") from error
     except InputError as error:
         raise InputError(f"memory {source}: {error}") from error
-
-
-def _replace_atomically(target: Path, text: str) -> None:
-    handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        Path(temporary).replace(target)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
 
 
 def _reject_constant(name: str) -> NoReturn:
