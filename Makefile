@@ -2,6 +2,8 @@
 PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
+# Extras beside dev; tests of the others skip.
+EXTRAS ?= dev,ray
 
 .DEFAULT_GOAL := help
 .PHONY: help demo test check docs bench clean
@@ -12,7 +14,7 @@ help: ## List the targets
 # The stamp changes when the dependencies do, so that an old environment is brought up to date.
 $(VENV)/.installed: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev]'
+	$(BIN)/pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[$(EXTRAS)]'
 	@touch $@
 
 demo: $(VENV)/.installed ## Find an object in a generated house; pictures in runs/demo

@@ -109,8 +109,10 @@ class Navigator:
         snapshot = self._memory.snapshot(node)
         guidance = self._reasoner.decide(Query(self._target, snapshot, panorama))
         self._memory.set_room(node, guidance.room_type)
+        chosen = panorama[guidance.direction]
+        self._goal.point(view, observation.world_from_camera, chosen.bearing)
         # The paper's condition: g_found = 1 and T_target in O; anything else explores on.
-        acquiring = guidance.target_found and self._goal.is_mapped(view, self._target)
+        acquiring = self._goal.recognised(guidance.target_found, view, self._target)
         self._phase = Phase.TARGET_ACQUISITION if acquiring else Phase.EXPLORATION
         affordances = self._affordances(view, guidance)
         self._waypoint = self._choose(affordances, reach)

@@ -68,7 +68,7 @@ def small() -> SceneRunner:
 
 
 def spec() -> EpisodeSpec:
-    return small().episodes(1)[0]
+    return small().episode(0)
 
 
 WALK = [Action.TURN_LEFT, *[Action.MOVE_FORWARD] * 20, Action.TURN_RIGHT, Action.MOVE_FORWARD]
@@ -109,7 +109,7 @@ def test_stopping_at_once_walks_nothing_and_scores_nothing() -> None:
     rollout, _ = rolled(Scripted([]))
     assert (rollout.steps, rollout.path_length, rollout.collisions) == (1, 0.0, 0)
     assert rollout.ended == "stop"
-    result = small().scored(spec(), rollout, decisions=0)
+    result = small().scored(spec(), rollout)
     assert result.stop_called
     assert not result.succeeded
     assert result.spl == 0.0
@@ -120,14 +120,14 @@ def test_stopping_at_once_walks_nothing_and_scores_nothing() -> None:
 def test_the_step_limit_ends_an_episode_that_does_not_stop() -> None:
     rollout, _ = rolled(Scripted([Action.TURN_LEFT] * 100))
     assert (rollout.ended, rollout.steps) == ("step-limit", 40)
-    assert not small().scored(spec(), rollout, decisions=0).stop_called
+    assert not small().scored(spec(), rollout).stop_called
 
 
 def test_standing_at_a_goal_and_stopping_is_a_success_with_spl_one() -> None:
     env, episode = small().env, spec().episode
     x, y, z = (float(v) for v in env.oracle.viewpoints(episode.target)[0])
     here = replace(spec(), episode=SceneEpisode(episode.target, (x, y, z), 0.0))
-    result = small().scored(here, roll_out(env, Scripted([]), here), decisions=0)
+    result = small().scored(here, roll_out(env, Scripted([]), here))
     assert result.distance_to_goal < 0.1
     assert result.succeeded
     assert result.spl == 1.0
@@ -138,7 +138,7 @@ def test_an_error_that_an_agent_raises_on_purpose_ends_its_episode_by_name() -> 
     assert rollout.ended == "error: the model is away"
     assert rollout.steps == len(trail.actions) == 3
     assert math.isfinite(rollout.distance_to_goal)
-    assert not small().scored(spec(), rollout, decisions=0).stop_called
+    assert not small().scored(spec(), rollout).stop_called
 
 
 def test_a_defect_of_an_agent_is_not_hidden() -> None:

@@ -32,12 +32,12 @@ class Demo:
         from toponav.cli.console import Output
         from toponav.cli.episode import (
             EpisodeWish,
-            resolve_config,
             result_data,
             result_line,
             run_one,
         )
         from toponav.cli.options import AgentOptions, fresh_folder
+        from toponav.cli.resolve import resolve_config
         from toponav.scenes.loading import load_scene
 
         output = Output(self.json)

@@ -12,12 +12,10 @@ from numpy.typing import NDArray
 
 from toponav.categories import readable
 from toponav.cli.console import Output
-from toponav.cli.options import AgentOptions, image_size, overrides
-from toponav.config import config_json, parse_config, with_overrides
-from toponav.envs.simulator import HouseEnvConfig
+from toponav.config import config_json
 from toponav.evaluation.recorder import EpisodeRecorder
 from toponav.evaluation.results import EpisodeResult, to_json
-from toponav.evaluation.run_config import RunConfig, run_config
+from toponav.evaluation.run_config import RunConfig
 from toponav.evaluation.runner import SceneRunner
 from toponav.files import write_atomic
 from toponav.mapping.view import MapView
@@ -27,20 +25,6 @@ from toponav.scenes.mesh import Scene
 from toponav.types import Action, Observation
 from toponav.viz.panorama import save_panorama
 from toponav.viz.topdown import TopDownPicture, save_topdown
-
-
-def resolve_config(options: AgentOptions) -> RunConfig:
-    """The run's configuration from the command line.
-
-    Raises:
-        InputError: A value that cannot be used; the message names it.
-    """
-    width, height = image_size(options.camera)
-    size_and_limit = {"width": width, "height": height, "max_steps": options.max_steps}
-    env = parse_config(HouseEnvConfig, size_and_limit, "the command line")
-    config = run_config(options.preset, options.method, options.seed, env)
-    config = config.model_copy(update={"detector": options.detector, "reasoner": options.reasoner})
-    return with_overrides(config, overrides(options.set))
 
 
 @dataclass(frozen=True)
@@ -133,7 +117,8 @@ def run_one(
             trajectory=np.array(narrator.positions),
             memory=narrator.memory,
             target=result.target,
-            title=result_line(result),
+            title=_headline(result),
+            subtitle=_figures(result),
         )
         save_topdown(picture, folder / "topdown.png")
     return result
@@ -141,16 +126,24 @@ def run_one(
 
 def result_line(result: EpisodeResult) -> str:
     """The episode in one plain line."""
+    return f"{_headline(result)}: {_figures(result)}"
+
+
+def _headline(result: EpisodeResult) -> str:
     found = "found" if result.succeeded else "did not find"
+    return f"{found} {readable(result.target)} in {result.scene}"
+
+
+def _figures(result: EpisodeResult) -> str:
     distance = (
         "no path to it"
         if np.isinf(result.distance_to_goal)
         else f"{result.distance_to_goal:.2f} m from it"
     )
     return (
-        f"{found} {readable(result.target)} in {result.scene}: {result.steps} steps, "
-        f"{result.path_length:.1f} m (shortest {result.shortest_path:.1f} m), "
-        f"SPL {result.spl:.2f}, ended by {result.ended} {distance}"
+        f"{result.steps} steps, {result.path_length:.1f} m "
+        f"(shortest {result.shortest_path:.1f} m), SPL {result.spl:.2f}, "
+        f"ended by {result.ended} {distance}"
     )
 
 

@@ -1,4 +1,4 @@
-"""`toponav eval`: many episodes, in process, appended to episodes.jsonl as they finish."""
+"""`toponav eval`: many episodes, appended to episodes.jsonl as they finish."""
 
 from __future__ import annotations
 
@@ -8,24 +8,27 @@ from typing import Annotated
 
 import tyro
 
-from toponav.cli.options import AgentOptions, JsonFlag
+from toponav.cli.options import AgentOptions, JsonFlag, RunOptions
 
 
 @dataclass(frozen=True)
 class Eval:
-    """Run the episodes of a scene, a folder of scenes or a generator range, and sum them up."""
+    """Run the episodes of scenes or of an ObjectNav episode file, and sum them up."""
 
     source: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="SOURCE")]
-    """Scene, folder of scenes, or generated:FIRST-LAST."""
-
-    episodes: int | None = None
-    """Episodes in all, spread evenly over the scenes; by default those that the scenes bring."""
-
-    labels: Path | None = None
-    """Label table of mesh scenes: JSON, node-name pattern to category."""
+    """Scene, folder of scenes, generated:FIRST-LAST, or an ObjectNav episode file (.json.gz)."""
 
     out: Path = Path("runs/eval")
     """Folder for episodes.jsonl, config.json and summary.json; must not hold episodes yet."""
+
+    resume: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Go on with the run in --out: what is done stays, a line that a kill cut short is repaired."""
+
+    shard: str | None = None
+    """Run only part i of n of the episodes, as 2/8; each part into an --out of its own."""
+
+    runs: Annotated[RunOptions, tyro.conf.arg(name="")] = field(default_factory=RunOptions)
+    """How many, and by how many workers."""
 
     agent: Annotated[AgentOptions, tyro.conf.arg(name="")] = field(default_factory=AgentOptions)
     """The agent."""
@@ -36,21 +39,16 @@ class Eval:
     def run(self) -> None:
         """Run and summarise."""
         from toponav.cli.console import Output
-        from toponav.cli.episode import resolve_config, result_line
         from toponav.cli.options import fresh_folder
+        from toponav.cli.progress import RunDisplay
+        from toponav.cli.resolve import resolve_config, resolve_request
         from toponav.evaluation.evaluate import evaluate, summary_line
 
         config = resolve_config(self.agent)
+        request = resolve_request(self.source, self.runs, self.shard)
         output = Output(self.json)
-        folder = fresh_folder(self.out)
-        summary = evaluate(
-            self.source,
-            config,
-            folder,
-            episodes=self.episodes,
-            labels=self.labels,
-            on_result=lambda done, total, result: output.say(
-                f"[{done}{'' if total is None else f'/{total}'}] {result_line(result)}"
-            ),
-        )
+        with RunDisplay(output) as display:
+            summary = evaluate(
+                request, config, fresh_folder(self.out), self.resume, display.on_progress
+            )
         output.result(summary_line(summary), summary)

@@ -18,7 +18,7 @@ class AgentOptions:
     """Which agent searches, and how."""
 
     method: str = "toponav"
-    """toponav, frontier or random."""
+    """toponav or a baseline; an unknown name lists them all."""
 
     preset: Literal["default", "paper"] = "default"
     """Parameter set: the paper's, or the best we can do."""
@@ -40,6 +40,26 @@ class AgentOptions:
 
     set: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = field(default=())
     """Override any value of config.json, as --set navigator.memory.d_merge=2; repeatable."""
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """How many episodes, from where, and by how many workers."""
+
+    episodes: int | None = None
+    """Episodes in all, spread evenly over the scenes; by default those that the scenes bring."""
+
+    workers: int = 1
+    """Processes; more than one needs the extra `ray`. Results do not depend on it."""
+
+    ray_address: str | None = None
+    """HOST:PORT of a Ray cluster's head; by default the workers run on this machine."""
+
+    labels: Path | None = None
+    """Label table of mesh scenes: JSON, node-name pattern to category."""
+
+    data: Path = Path("data")
+    """Folder that holds `scene_datasets`, for the scenes of an ObjectNav episode file."""
 
 
 def image_size(text: str) -> tuple[int, int]:

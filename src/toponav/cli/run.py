@@ -41,12 +41,12 @@ class Run:
         from toponav.cli.console import Output
         from toponav.cli.episode import (
             EpisodeWish,
-            resolve_config,
             result_data,
             result_line,
             run_one,
         )
         from toponav.cli.options import fresh_folder, start_pose
+        from toponav.cli.resolve import resolve_config
         from toponav.scenes.loading import load_scene
 
         config = resolve_config(self.agent)

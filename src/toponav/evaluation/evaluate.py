@@ -1,97 +1,132 @@
-"""Many episodes in one process: every result is appended and flushed as it finishes."""
+"""`toponav eval`: many episodes, by any number of workers, safe against every kind of end."""
 
 from __future__ import annotations
 
-import json
-import math
 from collections.abc import Callable
+from contextlib import closing
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from toponav.config import config_json
-from toponav.errors import EpisodeError, InputError
+from toponav.errors import InputError
+from toponav.evaluation.crew import Crew, InProcess, Outcome, WorkerFactory, drive
+from toponav.evaluation.episode_worker import EpisodeWorker
 from toponav.evaluation.metrics import BENCHMARK_RADIUS_M
-from toponav.evaluation.results import (
-    EpisodeResult,
-    json_ready,
-    summarize,
-    to_json,
-)
-from toponav.evaluation.rollout import EpisodeSpec, Rollout
+from toponav.evaluation.results import EpisodeResult, summarize
 from toponav.evaluation.run_config import RunConfig
-from toponav.evaluation.runner import SceneRunner
-from toponav.files import append_line, write_atomic
-from toponav.scenes.loading import list_scenes, load_scene
+from toponav.evaluation.run_folder import RunFolder, RunRequest
+from toponav.evaluation.runner import check_parts
+from toponav.evaluation.sources import open_source
+from toponav.evaluation.tasks import Task, TaskQueue, plan, shard
 
-OnResult = Callable[[int, int | None, EpisodeResult], None]
-"""Called with the episodes done, the total when it is known, and the newest result."""
+
+@dataclass(frozen=True)
+class RunProgress:
+    """How far a run is.
+
+    Attributes:
+        done: Episodes finished, those of an earlier run that is resumed included.
+        total: Episodes in all.
+        outcome: The newest, or None at the start.
+        results: All of them; the list grows.
+    """
+
+    done: int
+    total: int
+    outcome: Outcome | None
+    results: list[EpisodeResult]
+
+
+OnProgress = Callable[[RunProgress], None]
 
 
 def evaluate(
-    source: str,
+    request: RunRequest,
     config: RunConfig,
     folder: Path,
-    episodes: int | None = None,
-    labels: Path | None = None,
-    on_result: OnResult = lambda done, total, result: None,
+    resume: bool = False,
+    on_progress: OnProgress = lambda progress: None,
 ) -> dict[str, Any]:
-    """Run the episodes of `source`, scene by scene, and write them into `folder`.
+    """Run the episodes of a source and write them into `folder`, one line each as they finish.
 
     Args:
-        source: A scene, a folder of scenes or a generator range.
-        config: The run.
-        folder: Gets `config.json`, `episodes.jsonl` and `summary.json`.
-        episodes: How many in all, spread evenly over the scenes; None runs those the scenes bring.
-        labels: Label table of mesh scenes.
-        on_result: Progress.
+        request: What to run.
+        config: How.
+        folder: Gets `config.json`, `run.json`, `episodes.jsonl` and, at the end, `summary.json`.
+        resume: Go on with the run that was begun there.
+        on_progress: Told at the start and after every episode.
 
     Returns:
         The summary: all episodes, those that stay on one floor, and those that change floor.
 
     Raises:
-        InputError: Nothing to run, or the folder holds the episodes of another run.
+        InputError: Nothing to run; the folder holds another run's episodes, or is being written
+            to; on resuming, the configuration or the source differ.
     """
-    if episodes is not None and episodes < 1:
-        raise InputError(f"--episodes takes a positive number, not {episodes}")
-    scenes = list_scenes(source)
-    results_path = folder / "episodes.jsonl"
-    if results_path.exists():
-        raise InputError(f"{results_path} exists: choose another --out, or move it away")
-    write_atomic(folder / "config.json", config_json(config))
-    results: list[EpisodeResult] = []
-    for number, spec in enumerate(scenes):
-        runner = SceneRunner(load_scene(spec, labels), config)
-        for episode in runner.episodes(_share(episodes, number, len(scenes))):
-            result = _run(runner, episode)
-            append_line(results_path, to_json(result))
-            results.append(result)
-            on_result(len(results), episodes, result)
-    summary = {
-        "source": source,
-        "method": config.method,
-        "preset": config.preset,
-        "all": summarize(results),
-        "same_floor": summarize([result for result in results if not result.floor_change]),
-        "floor_change": summarize([result for result in results if result.floor_change]),
-    }
-    write_atomic(folder / "summary.json", json.dumps(json_ready(summary), indent=2) + "\n")
+    source = open_source(request.source, request.labels, request.data)
+    tasks = plan(source.outlines(), request.episodes)
+    if request.shard is not None:
+        tasks = shard(tasks, request.shard)
+    if request.workers < 1:
+        raise InputError(f"--workers takes a positive number, not {request.workers}")
+    check_parts(config)
+    make_worker = partial(EpisodeWorker, source, config)
+    run = RunFolder(folder)
+    with run.opened(request, config, resume):
+        results = _run(run, tasks, make_worker, partial(_crew, make_worker, request), on_progress)
+    summary = _summary(request.source, config, tasks, results)
+    run.conclude(summary)
     return summary
 
 
-def _run(runner: SceneRunner, episode: EpisodeSpec) -> EpisodeResult:
-    """Run an episode; one that its scene cannot host is a failed result that says why."""
-    try:
-        return runner.run(episode)
-    except EpisodeError as error:
-        impossible = Rollout(math.inf, False, ended=f"error: {error}", distance_to_goal=math.inf)
-        return runner.scored(episode, impossible, decisions=0)
+def _run(
+    run: RunFolder,
+    tasks: list[Task],
+    make_worker: WorkerFactory,
+    make_crew: Callable[[], Crew],
+    on_progress: OnProgress,
+) -> list[EpisodeResult]:
+    """Run what is left; returns all results, those of a resumed run included."""
+    results = run.journal.results()
+    keys = {result.key for result in results}
+    left = [task for task in tasks if task.key not in keys]
+    total = len(results) + len(left)
+
+    def keep(outcome: Outcome) -> None:
+        run.keep(outcome)
+        results.append(outcome.result)
+        on_progress(RunProgress(len(results), total, outcome, results))
+
+    on_progress(RunProgress(len(results), total, None, results))
+    if left:
+        with closing(make_crew()) as crew:
+            drive(crew, TaskQueue(left), make_worker().failed, keep)
+    return results
 
 
-def _share(total: int | None, number: int, scenes: int) -> int | None:
-    """How many of `total` episodes scene `number` gets; the first ones get the remainder."""
-    if total is None:
-        return None
-    return total // scenes + (1 if number < total % scenes else 0)
+def _crew(make_worker: WorkerFactory, request: RunRequest) -> Crew:
+    if request.workers == 1 and request.ray_address is None:
+        return InProcess(make_worker)
+    from toponav.evaluation.distributed import RayCrew
+
+    return RayCrew(make_worker, request.workers, request.ray_address)
+
+
+def _summary(
+    source: str, config: RunConfig, tasks: list[Task], results: list[EpisodeResult]
+) -> dict[str, Any]:
+    """The run's numbers, from the episodes in the order of their tasks."""
+    order = {task.key: k for k, task in enumerate(tasks)}
+    ordered = sorted(results, key=lambda r: (order.get(r.key, len(order)), r.key))
+    return {
+        "source": source,
+        "method": config.method,
+        "preset": config.preset,
+        "all": summarize(ordered),
+        "same_floor": summarize([result for result in ordered if not result.floor_change]),
+        "floor_change": summarize([result for result in ordered if result.floor_change]),
+    }
 
 
 def summary_line(summary: dict[str, Any]) -> str:

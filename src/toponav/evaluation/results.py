@@ -8,6 +8,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from pydantic import TypeAdapter, ValidationError
+
+from toponav.errors import InputError
+from toponav.evaluation.funnel import SearchTrace
 from toponav.evaluation.metrics import (
     BENCHMARK_RADIUS_M,
     SUCCESS_RADII_M,
@@ -55,6 +59,9 @@ class EpisodeResult:
         ended: "stop", "step-limit" or "error: ...".
         floor_change: Whether the nearest goal lay on another floor than the start.
         config_sha: Hash of the resolved configuration.
+        scene_m2: Area on which the agent can stand in the scene, square metres.
+        failure: "" on success at the benchmark's radius, else one of `funnel.FAILURES`.
+        search: How far the search got, and when.
     """
 
     scene: str
@@ -76,12 +83,23 @@ class EpisodeResult:
     ended: str
     floor_change: bool
     config_sha: str
+    scene_m2: float = 0.0
+    failure: str = ""
+    search: SearchTrace = field(default_factory=SearchTrace)
     vlm: VlmUsage = field(default_factory=VlmUsage)
+
+    @property
+    def key(self) -> tuple[str, int]:
+        """(scene, index): the same in every run of the same source."""
+        return self.scene, self.index
 
     @property
     def succeeded(self) -> bool:
         """Success at the benchmark's radius."""
         return self.success[str(BENCHMARK_RADIUS_M)]
+
+
+_RECORD = TypeAdapter(EpisodeResult)
 
 
 @dataclass(frozen=True)
@@ -110,6 +128,31 @@ def score_episode(
 def to_json(result: EpisodeResult) -> str:
     """One line of `episodes.jsonl`; an infinite distance is written as null, as JSON has none."""
     return json.dumps(json_ready(asdict(result)), allow_nan=False)
+
+
+def from_json(line: str, where: str = "an episode") -> EpisodeResult:
+    """The record that `to_json` wrote; a distance of null is infinite again.
+
+    Args:
+        line: One line of `episodes.jsonl`.
+        where: Names the line in messages.
+
+    Raises:
+        InputError: Not such a line.
+    """
+    try:
+        data = json.loads(line)
+        for record, name in ((data, "distance_to_goal"), (data, "shortest_path"),
+                             (data.get("search", {}), "closest_m")):  # fmt: skip
+            if name in record and record[name] is None:
+                record[name] = math.inf
+        return _RECORD.validate_python(data)
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = ".".join(str(part) for part in first["loc"])
+        raise InputError(f"{where}: {key}: {first['msg']}; not a result of toponav eval") from error
+    except (ValueError, TypeError, AttributeError, RecursionError) as error:
+        raise InputError(f"{where}: not a JSON record of an episode") from error
 
 
 def json_ready(value: Any) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -12,6 +13,7 @@ import numpy as np
 from toponav.categories import canonical
 from toponav.envs.simulator import HouseEnv
 from toponav.errors import TopoNavError
+from toponav.evaluation.funnel import ERROR, SearchTrace
 from toponav.evaluation.results import EpisodeResult, score_episode
 from toponav.scenes.mesh import SceneEpisode
 from toponav.types import Action, Agent, Observation
@@ -37,6 +39,21 @@ class EpisodeSpec:
     seed: int
 
 
+@dataclass(frozen=True)
+class RunIdentity:
+    """What all results of a run in one scene have in common.
+
+    Attributes:
+        method: Name of the agent.
+        config_sha: Hash of the resolved configuration.
+        scene_m2: Area on which the agent can stand, square metres.
+    """
+
+    method: str
+    config_sha: str
+    scene_m2: float
+
+
 class StepObserver(Protocol):
     """Watches an episode step by step; it may record or draw but never steers."""
 
@@ -47,7 +64,21 @@ class StepObserver(Protocol):
 
 @dataclass
 class Rollout:
-    """What the metrics need, gathered while the episode runs."""
+    """What a result needs, gathered while the episode runs.
+
+    Attributes:
+        shortest_path: l, metres.
+        floor_change: Whether the nearest goal lies on another floor than the start.
+        path_length: p, metres.
+        steps: Actions taken.
+        collisions: Steps that were cut short.
+        ended: "stop", "step-limit" or "error: ...".
+        distance_to_goal: DTG at the end, metres.
+        decisions: Decisions of the agent.
+        search: Stages of the search.
+        failure: Why it failed; "" on success.
+        seconds: Wall-clock seconds by stage.
+    """
 
     shortest_path: float
     floor_change: bool
@@ -56,23 +87,37 @@ class Rollout:
     collisions: int = 0
     ended: str = ""
     distance_to_goal: float = 0.0
+    decisions: int = 0
+    search: SearchTrace = field(default_factory=SearchTrace)
+    failure: str = ""
     seconds: dict[str, float] = field(
         default_factory=lambda: {"simulation": 0.0, "agent": 0.0, "total": 0.0}
     )
 
-    def scored(
-        self, spec: EpisodeSpec, method: str, decisions: int, config_sha: str
-    ) -> EpisodeResult:
+    @classmethod
+    def impossible(cls, reason: str) -> Rollout:
+        """An episode that could not be run: a failure without a path."""
+        return cls(
+            math.inf, False, ended=f"error: {reason}", distance_to_goal=math.inf, failure=ERROR
+        )
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the agent ended the episode by itself."""
+        return self.ended == "stop"
+
+    def scored(self, spec: EpisodeSpec, run: RunIdentity) -> EpisodeResult:
         """The result record."""
-        stopped = self.ended == "stop"
-        score = score_episode(stopped, self.distance_to_goal, self.shortest_path, self.path_length)
+        score = score_episode(
+            self.stopped, self.distance_to_goal, self.shortest_path, self.path_length
+        )
         return EpisodeResult(
             scene=spec.scene,
             index=spec.index,
             target=canonical(spec.episode.target),
-            method=method,
+            method=run.method,
             seed=spec.seed,
-            stop_called=stopped,
+            stop_called=self.stopped,
             distance_to_goal=self.distance_to_goal,
             shortest_path=self.shortest_path,
             path_length=self.path_length,
@@ -81,11 +126,14 @@ class Rollout:
             soft_spl=score.soft_spl,
             steps=self.steps,
             collisions=self.collisions,
-            decisions=decisions,
+            decisions=self.decisions,
             seconds=self.seconds,
             ended=self.ended,
             floor_change=self.floor_change,
-            config_sha=config_sha,
+            config_sha=run.config_sha,
+            scene_m2=run.scene_m2,
+            failure=self.failure,
+            search=self.search,
         )
 
 

@@ -4,36 +4,38 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from toponav.config import config_sha
 from toponav.envs.simulator import HouseEnv
 from toponav.evaluation.results import EpisodeResult
-from toponav.evaluation.rollout import EpisodeSpec, Rollout, StepObserver, roll_out, start_episode
+from toponav.evaluation.rollout import (
+    EpisodeSpec,
+    Rollout,
+    RunIdentity,
+    StepObserver,
+    roll_out,
+    start_episode,
+)
 from toponav.evaluation.run_config import RunConfig
-from toponav.mapping.view import MapView
-from toponav.memory.graph import TopologicalMemory
+from toponav.evaluation.search_watch import SearchWatch
 from toponav.methods import AgentContext, methods
 from toponav.perception import detectors
-from toponav.policy.decision import Decision, DecisionListener, Listeners
+from toponav.policy.decision import DecisionListener, Listeners
 from toponav.reasoning import reasoners
 from toponav.scenes.mesh import Scene, SceneEpisode
 
 
-@dataclass
-class _DecisionCounter:
-    """Counts an agent's decisions."""
+def check_parts(config: RunConfig) -> None:
+    """Make sure that a run's method, detector and reasoner exist, before anything is loaded.
 
-    count: int = 0
-
-    def on_decision(self, decision: Decision) -> None:
-        del decision
-        self.count += 1
-
-    def on_close(self, map_view: MapView | None, memory: TopologicalMemory | None) -> None:
-        del map_view, memory
+    Raises:
+        InputError: One does not; the message lists those that do.
+    """
+    methods.get(config.method)
+    detectors.get(config.detector)
+    reasoners.get(config.reasoner)
 
 
 class SceneRunner:
@@ -50,20 +52,22 @@ class SceneRunner:
         self._reasoner = reasoners.get(config.reasoner)
         self.scene = scene
         self.config = config
-        self._sha = config_sha(config)
         self.env = HouseEnv(scene, config.env)
+        self._identity = RunIdentity(config.method, config_sha(config), self.env.surface.area)
 
-    def episodes(self, count: int | None) -> list[EpisodeSpec]:
-        """The scene's own episodes, the first `count`; more are drawn from the seed if it lacks.
+    def episode(self, index: int) -> EpisodeSpec:
+        """Episode `index` of the scene: one that it brings or, beyond those, one that is drawn.
+
+        What is drawn depends on the run's seed, the scene's name and the index alone.
 
         Raises:
             EpisodeError: The scene has no target that can be reached.
         """
-        own = list(self.scene.episodes if count is None else self.scene.episodes[:count])
-        wanted = max(len(own), 1) if count is None else count
-        rng = np.random.default_rng([self.config.seed, zlib.crc32(self.scene.name.encode())])
-        own += [self.env.sample_episode(rng) for _ in range(wanted - len(own))]
-        return [self.spec(index, episode) for index, episode in enumerate(own)]
+        if index < len(self.scene.episodes):
+            return self.spec(index, self.scene.episodes[index])
+        name = zlib.crc32(self.scene.name.encode())
+        rng = np.random.default_rng([self.config.seed, name, index])
+        return self.spec(index, self.env.sample_episode(rng))
 
     def spec(self, index: int, episode: SceneEpisode) -> EpisodeSpec:
         """An episode of this scene; its seed derives from the run's and from its key."""
@@ -94,22 +98,24 @@ class SceneRunner:
         Raises:
             EpisodeError: The target or the start does not fit the scene.
         """
-        counter = _DecisionCounter()
+        detector = self._detector(self.env.oracle, spec.seed)
+        watch = SearchWatch(detector, self.env.oracle)
         agent = self._method(
             AgentContext(
-                detector=self._detector(self.env.oracle, spec.seed),
+                detector=watch,
                 reasoner=self._reasoner(),
                 config=self.config.navigator,
                 seed=spec.seed,
-                listener=Listeners((counter, *listeners)),
+                listener=Listeners((watch, *listeners)),
             )
         )
         try:
-            outcome = roll_out(self.env, agent, spec, observers)
+            rollout = roll_out(self.env, agent, spec, (watch, *observers))
         finally:
             agent.close()
-        return self.scored(spec, outcome, counter.count)
+        watch.tell(rollout)
+        return self.scored(spec, rollout)
 
-    def scored(self, spec: EpisodeSpec, rollout: Rollout, decisions: int) -> EpisodeResult:
+    def scored(self, spec: EpisodeSpec, rollout: Rollout) -> EpisodeResult:
         """The result record of an episode of this run."""
-        return rollout.scored(spec, self.config.method, decisions, self._sha)
+        return rollout.scored(spec, self._identity)

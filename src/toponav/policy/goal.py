@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+import math
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,16 @@ from toponav.policy.sight import Metres, SightConfig, TargetSight
 
 class GoalConfig(ConfigModel):
     """When the target counts as mapped, and when the agent stops."""
+
+    recognition: Literal["both", "reasoner", "detector"] = "both"
+    """Who recognises the target: the paper asks both; one alone is its Table II. Without the
+    detector the target is taken to be what stands nearest in the view that the reasoner chose."""
+
+    pointed_width_deg: Annotated[float, Field(gt=0.0, le=180.0)] = 30.0
+    """Without the detector: the middle of the chosen view in which the target is looked for."""
+
+    pointed_depth_m: Metres = 0.5
+    """Without the detector: how far behind its nearest point the target may reach."""
 
     min_points: Annotated[int, Field(ge=1)] = 4
     """Voxels of M_obj[target] before T_target counts as a member of O: one stray pixel is none."""
@@ -48,15 +59,50 @@ class GoalConfig(ConfigModel):
 
 
 class GoalTracker:
-    """Answers for S_sem, the target's part of the map; it keeps no state of its own."""
+    """Answers for S_sem, the target's part of the map.
+
+    Its only state is where the reasoner has pointed, for the ablation without a detector.
+    """
 
     def __init__(self, config: GoalConfig) -> None:
         """Take the thresholds."""
         self.config = config
+        self._pointed = np.zeros((0, 3), dtype=np.float32)
+
+    def recognised(self, target_found: bool, view: MapView, target: str) -> bool:
+        """Whether to acquire the target: g_found = 1 and T_target in O, or the one that is asked.
+
+        Args:
+            target_found: g_found of the reasoner.
+            view: The map.
+            target: What is looked for.
+        """
+        asked = self.config.recognition
+        by_reasoner = target_found or asked == "detector"
+        return by_reasoner and self.is_mapped(view, target)
+
+    def point(self, view: MapView, eye: Pose, bearing: float) -> None:
+        """Note where the reasoner sees the target; it counts only where there is no detector.
+
+        Args:
+            view: The map.
+            eye: The camera, where the view was taken.
+            bearing: World yaw of the chosen view, radians.
+        """
+        config, obstacles = self.config, view.obstacles.points
+        offset = obstacles[:, :2] - eye.translation[:2]
+        turn = np.arctan2(offset[:, 1], offset[:, 0]) - bearing
+        off_axis = np.abs((turn + np.pi) % math.tau - np.pi)
+        ahead = off_axis <= math.radians(config.pointed_width_deg) / 2.0
+        distance = np.hypot(offset[:, 0], offset[:, 1])
+        nearest = distance[ahead].min(initial=math.inf)
+        self._pointed = obstacles[ahead & (distance <= nearest + config.pointed_depth_m)]
 
     def points(self, view: MapView, target: str) -> NDArray[np.float32]:
         """S_sem: (N, 3) points of M_obj[target] within the current storey, without strays."""
         config = self.config
+        if config.recognition == "reasoner":
+            return self._pointed
         cloud = view.objects.get(target)
         if cloud is None:
             return np.zeros((0, 3), dtype=np.float32)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -58,14 +58,39 @@ class Query:
 
 
 class Reasoner(Protocol):
-    """Decides where to look next.
+    """Decides where to look next, and says what goes with what.
 
     The answer's `node_id` is one of the snapshot's and `direction` indexes the panorama; the same
     query gives the same answer. Calling only when due, caching and falling back are wrappers.
+    The affinities are what other methods ask a language model for; TopoNav itself only decides.
     """
 
     def decide(self, query: Query) -> Guidance:
         """Guidance for one decision.
+
+        Raises:
+            ReasonerError: No valid answer could be had.
+        """
+        ...
+
+    def room_affinity(self, target: str, rooms: Sequence[str]) -> NDArray[np.float64]:
+        """How likely a room of each type holds the target: (R,) in [0, 1].
+
+        Args:
+            target: Category name or free text.
+            rooms: R types of room, free text.
+
+        Raises:
+            ReasonerError: No valid answer could be had.
+        """
+        ...
+
+    def object_affinity(self, target: str, objects: Sequence[str]) -> NDArray[np.float64]:
+        """How likely the target is where each object is: (N,) in [0, 1], 1 for the target itself.
+
+        Args:
+            target: Category name or free text.
+            objects: N category names.
 
         Raises:
             ReasonerError: No valid answer could be had.

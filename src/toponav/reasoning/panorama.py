@@ -7,18 +7,26 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from toponav.config_model import ConfigModel
 from toponav.mapping.view import FrameUpdate, MapView
 from toponav.reasoning.base import PanoramaView, SeenObject
 from toponav.types import Detections, Observation
 
+SPACING_REACHED = 0.75
+"""Share of the spacing that counts as all of it: turns are never exact on a robot."""
+
 
 class PanoramaConfig(ConfigModel):
     """How many views a panorama has and what they count."""
 
-    views: int = 12
-    """Views a panorama, taken by turning in place by the protocol's 30 degrees (Sec. IV-D)."""
+    views: int = Field(default=12, ge=1)
+    """Views a panorama, taken by turning in place (Sec. IV-D)."""
+
+    spacing_deg: float = Field(default=30.0, gt=0.0, lt=180.0)
+    """Angle between neighbouring views: the protocol's turn, or a multiple of it for fewer views of
+    the same circle."""
 
     frontier_range_m: float = 5.0
     """Frontier points farther than this from the agent belong to no view: the depth range."""
@@ -71,18 +79,23 @@ class Panorama:
         self._wanted = self._config.views if views is None else views
 
     def add(self, observation: Observation, detections: Detections, update: FrameUpdate) -> bool:
-        """Take one view from an observation that the map has already integrated.
+        """Take a view, if the agent has turned far enough since the last one.
+
+        The map must have integrated the observation already.
 
         Returns:
             Whether more views are to be taken.
         """
         forward = observation.world_from_camera.rotation[:, 2]
+        bearing = math.atan2(forward[1], forward[0])
+        if self._shots and not self._turned_enough(bearing):
+            return self.collecting
         x, y, _ = observation.world_from_camera.translation
         self._shots.append(
             Shot(
                 image=observation.rgb,
                 position=(float(x), float(y)),
-                bearing=math.atan2(forward[1], forward[0]),
+                bearing=bearing,
                 seen=_seen_objects(observation.depth, detections),
                 floor_points=update.navigable_points,
                 floor_area_m2=len(update.navigable_points) * self._cell_area_m2,
@@ -107,13 +120,18 @@ class Panorama:
         """S_dir: (N, 3) floor points seen in the chosen view."""
         return self._shots[direction].floor_points
 
+    def _turned_enough(self, bearing: float) -> bool:
+        turned = abs(math.remainder(bearing - self._shots[-1].bearing, math.tau))
+        return turned >= SPACING_REACHED * math.radians(self._config.spacing_deg)
+
     def _frontiers_ahead(self, shot: Shot, frontiers: NDArray[np.float64]) -> int:
         """Frontier points in the view's share of the circle, so that views do not overlap."""
         offset = frontiers[:, :2] - np.asarray(shot.position)
         bearing = np.arctan2(offset[:, 1], offset[:, 0]) - shot.bearing
         off_axis = np.abs((bearing + np.pi) % (2.0 * np.pi) - np.pi)
         near = np.hypot(offset[:, 0], offset[:, 1]) <= self._config.frontier_range_m
-        return int(np.count_nonzero(near & (off_axis <= math.pi / self._config.views)))
+        half_share = math.radians(self._config.spacing_deg) / 2.0
+        return int(np.count_nonzero(near & (off_axis <= half_share)))
 
 
 def _seen_objects(depth: NDArray[np.float32], detections: Detections) -> tuple[SeenObject, ...]:

@@ -10,6 +10,8 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
 from toponav.categories import canonical
@@ -19,9 +21,12 @@ from toponav.memory.snapshot import UNKNOWN_ROOM, MemorySnapshot, NodeView
 from toponav.memory.text import clean_name
 from toponav.reasoning.affinity import (
     ROOM_TYPES,
+    canonical_room,
     companions_among,
     room_belief,
+    room_prior,
     target_likelihood,
+    target_presence,
 )
 from toponav.reasoning.base import PanoramaView, Query, SeenObject, reasoners
 from toponav.reasoning.schema import Guidance
@@ -111,6 +116,25 @@ class PriorReasoner:
             room_type=room,
             reason=_explain(query, best, direction, room),
         )
+
+    def room_affinity(self, target: str, rooms: Sequence[str]) -> NDArray[np.float64]:
+        """P(the target is in a room of each type); an unknown type counts as any room."""
+        by_room = dict(zip(ROOM_TYPES, target_presence(target), strict=True))
+        anywhere = float(room_prior() @ target_presence(target))
+        types = [canonical_room(room) for room in rooms]
+        return np.array([anywhere if room is None else by_room[room] for room in types])
+
+    def object_affinity(self, target: str, objects: Sequence[str]) -> NDArray[np.float64]:
+        """P(the target is at a place where each object has been seen), 1 for the target itself."""
+        category = canonical(target)
+        names = [canonical(name) for name in objects]
+        return np.array(
+            [
+                1.0 if name == category
+                else target_likelihood(target, room_belief({name: 1.0}), (name,))
+                for name in names
+            ]
+        )  # fmt: skip
 
 
 def classify_room(panorama: Sequence[PanoramaView], config: PriorConfig) -> str:

@@ -86,6 +86,11 @@ def parse_generator_spec(spec: str) -> list[tuple[int, GeneratorConfig]]:
     return [(seed, config) for seed in range(first, last + 1)]
 
 
+def house_name(seed: int) -> str:
+    """Name of the house of a seed."""
+    return f"generated_{seed}"
+
+
 def generate_house(seed: int, config: GeneratorConfig | None = None) -> House:
     """The house of a seed; the same seed and options give the same house."""
     config = config or GeneratorConfig()
@@ -100,7 +105,7 @@ def generate_house(seed: int, config: GeneratorConfig | None = None) -> House:
     stairs = [_stairs(frame)] if levels == 2 else []
     furnish = FurnishConfig(clutter=config.clutter)
     house = House(
-        name=f"generated_{seed}",
+        name=house_name(seed),
         levels=[
             _furnished(plan, STOREY_M * k, rng, furnish, stairs_footprints(stairs, k))
             for k, plan in enumerate(plans)

@@ -19,7 +19,7 @@ from typing import Any
 
 from toponav.errors import SceneError
 from toponav.scenes.domestigraph import import_domestigraph
-from toponav.scenes.generate import generate_house, parse_generator_spec
+from toponav.scenes.generate import generate_house, house_name, parse_generator_spec
 from toponav.scenes.gltf import MESH_SUFFIXES, load_mesh_scene
 from toponav.scenes.house import House
 from toponav.scenes.house_io import load_house, read_text
@@ -83,6 +83,23 @@ def load_house_spec(spec: str) -> House:
             return generate_house(*houses[0])
         case SceneKind.MESH:
             raise SceneError(f"{spec}: a mesh has no plan of its rooms; give a house")
+
+
+def scene_outline(spec: str) -> tuple[str, int]:
+    """Name of a scene and how many episodes it brings, without building it.
+
+    Raises:
+        SceneError: As `load_scene`.
+    """
+    match scene_kind(spec):
+        case SceneKind.GENERATED:
+            [(seed, config)] = parse_generator_spec(spec)
+            return house_name(seed), config.episodes
+        case SceneKind.MESH:
+            return Path(spec).stem, 0
+        case _:
+            house = load_house_spec(spec)
+            return house.name, len(house.episodes)
 
 
 def list_scenes(source: str) -> list[str]:

@@ -41,6 +41,11 @@ class SceneOracle:
         self._fields: dict[str, DistanceField] = {}
         self._categories: tuple[str, ...] | None = None
 
+    @property
+    def target(self) -> str:
+        """Category that the running episode searches for."""
+        return self._episode.target
+
     def semantic_frame(self) -> SemanticFrame:
         """Labels of the image last observed."""
         return self._episode.semantic_frame()

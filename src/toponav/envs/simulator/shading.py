@@ -10,12 +10,14 @@ from numpy.typing import NDArray
 
 from toponav.envs.simulator.homogeneous import Vector, cross, dot, minus, to_pixel
 
-AMBIENT = 0.42
+AMBIENT = 0.48
 """Share of light that falls everywhere."""
 SKY = 0.18
 """Share that falls from above: it tells table tops from their fronts."""
 HEADLIGHT = 0.28
 """Share that comes from the camera: it shapes round things."""
+BOUNCE = 0.34
+"""Share that the floor throws back up: it keeps ceilings as light as they are in a lit room."""
 SIDE = 0.16
 """Share that comes from one side: it tells a room's walls from each other."""
 SIDE_DIRECTION = (0.48, 0.80, 0.36)
@@ -145,6 +147,7 @@ def _facet(view: View, surfaces: Surfaces, f: int) -> _Facet:
         x, y, z = -x, -y, -z
     side = x * SIDE_DIRECTION[0] + y * SIDE_DIRECTION[1] + z * SIDE_DIRECTION[2]
     light = AMBIENT + SKY * (0.5 + 0.5 * z) + SIDE * (0.5 + 0.5 * side)
+    light += BOUNCE * max(0.0, -z)
     return _Facet(normal, dot(normal, a), cross(c, a), cross(a, b), abs(away), light)
 
 

@@ -1,0 +1,161 @@
+"""Studies: several runs on the same episodes that differ in one thing, as the paper's tables do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from toponav.config import with_overrides
+from toponav.errors import InputError
+from toponav.evaluation.evaluate import OnProgress, evaluate
+from toponav.evaluation.run_config import RunConfig
+from toponav.evaluation.run_folder import RunRequest
+from toponav.methods import methods
+
+BASE = "toponav"
+"""Name of the run that is not changed; studies in one folder share it."""
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One run of a study.
+
+    Attributes:
+        name: Names its folder and its row.
+        overrides: Dotted key to JSON value, as `--set` takes them.
+        method: Another method than TopoNav.
+    """
+
+    name: str
+    overrides: Mapping[str, str] = field(default_factory=dict)
+    method: str = BASE
+
+    def applied_to(self, config: RunConfig) -> RunConfig:
+        """The run's configuration, changed."""
+        changed = config.model_copy(update={"method": self.method})
+        return with_overrides(changed, self.overrides)
+
+
+@dataclass(frozen=True)
+class Study:
+    """What is compared.
+
+    Attributes:
+        title: One line for people; names the paper's table.
+        variants: The runs; the others are compared with the first.
+        by: What the table groups by, "" for the whole runs.
+    """
+
+    title: str
+    variants: tuple[Variant, ...]
+    by: str = ""
+
+
+def _set(name: str, **overrides: str) -> Variant:
+    """A variant of the navigator's configuration; a double underscore stands for the dot."""
+    keys = {f"navigator.{key.replace('__', '.')}": value for key, value in overrides.items()}
+    return Variant(name, keys)
+
+
+FULL = Variant(BASE)
+
+STUDIES: dict[str, Study] = {
+    "goal-detection": Study(
+        "Who recognises the target (the paper's Table II)",
+        (
+            FULL,
+            _set("reasoner-only", goal__recognition='"reasoner"'),
+            _set("detector-only", goal__recognition='"detector"'),
+        ),
+    ),
+    "node-information": Study(
+        "What the nodes tell the reasoner (the paper's Table III)",
+        (
+            FULL,
+            _set("without-frontiers", memory__include_frontiers="false"),
+            _set("without-rooms", memory__include_rooms="false"),
+            _set("without-objects", memory__include_objects="false"),
+        ),
+    ),
+    "categories": Study(
+        "TopoNav and InstructNav by category (the paper's Fig. 5)",
+        (FULL, Variant("instructnav", method="instructnav")),
+        by="category",
+    ),
+    "affordances": Study(
+        "Each term of the affordance sum (Section III-E)",
+        (
+            FULL,
+            _set("without-dir", affordances__weight_dir="0"),
+            _set("without-node", affordances__weight_node="0"),
+            _set("without-front", affordances__weight_front="0"),
+            _set("without-hist", affordances__weight_hist="0"),
+            _set("without-sem", affordances__weight_sem="0"),
+        ),
+    ),
+    "panorama": Study(
+        "Views of a panorama",
+        (
+            FULL,
+            _set("6-views-of-the-circle", panorama__views="6", panorama__spacing_deg="60"),
+            _set("4-views-of-the-circle", panorama__views="4", panorama__spacing_deg="90"),
+            _set("6-views-of-half-the-circle", panorama__views="6"),
+        ),
+    ),
+    "merge-distance": Study(
+        "Distance within which nodes are merged (Section III-D)",
+        (
+            FULL,
+            _set("d-merge-0", memory__d_merge="0"),
+            _set("d-merge-2", memory__d_merge="2"),
+            _set("d-merge-4", memory__d_merge="4"),
+        ),
+    ),
+}
+
+
+def study(name: str) -> Study:
+    """The study of a name; `methods` compares TopoNav with every other method.
+
+    Raises:
+        InputError: No such study; the message lists those known.
+    """
+    if name == "methods":
+        others = [method for method in methods.names() if method != BASE]
+        variants = (FULL, *(Variant(method, method=method) for method in others))
+        return Study("Every method on the same map, perception, planner and episodes", variants)
+    if name not in STUDIES:
+        known = ", ".join((*STUDIES, "methods"))
+        raise InputError(f"unknown study {name!r}; known: {known}")
+    return STUDIES[name]
+
+
+def run_study(
+    chosen: Study,
+    request: RunRequest,
+    config: RunConfig,
+    folder: Path,
+    watched: Callable[[Variant], OnProgress],
+) -> list[Path]:
+    """Run every variant that is not done yet, each into a folder of its own.
+
+    Args:
+        chosen: What to compare.
+        request: On which episodes.
+        config: What the variants change.
+        folder: Gets a folder a variant; what an earlier, interrupted study did is kept.
+        watched: Who is told of a variant's progress.
+
+    Returns:
+        The variants' folders, in order.
+
+    Raises:
+        InputError: As `evaluate`.
+    """
+    folders = [folder / variant.name for variant in chosen.variants]
+    configs = [variant.applied_to(config) for variant in chosen.variants]
+    for variant, own, where in zip(chosen.variants, configs, folders, strict=True):
+        where.mkdir(parents=True, exist_ok=True)
+        evaluate(request, own, where, resume=True, on_progress=watched(variant))
+    return folders
