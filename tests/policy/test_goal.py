@@ -127,3 +127,35 @@ def test_sight_agrees_with_a_dense_search_along_the_segment() -> None:
 def test_nothing_is_in_reach_of_an_empty_target() -> None:
     sight = TargetSight(np.zeros((0, 3)), FLOOR, 1.0, SightConfig())
     assert not sight.within_reach((0.0, 0.0, EYE_M), 1.0)
+
+
+def test_who_recognises_the_target() -> None:
+    seen, unseen = furnished(CHAIR), furnished(np.zeros((0, 3)))
+    both, detector = (GoalTracker(GoalConfig(recognition=who)) for who in ("both", "detector"))
+    assert both.recognised(True, seen, "chair")
+    assert not both.recognised(False, seen, "chair")
+    assert not both.recognised(True, unseen, "chair")
+    assert detector.recognised(False, seen, "chair")
+    assert not detector.recognised(True, unseen, "chair")
+
+
+def test_without_a_detector_the_target_is_what_stands_nearest_in_the_chosen_view() -> None:
+    ahead = block((1.5, -0.1, 0.2), (1.7, 0.1, 0.6))
+    behind_it = block((3.0, -0.1, 0.2), (3.2, 0.1, 0.6))
+    aside = block((0.0, 1.0, 0.2), (0.2, 1.2, 0.6))
+    view = make_view(obstacles=np.concatenate([ahead, behind_it, aside]), scene=FLOOR)
+    tracker = GoalTracker(GoalConfig(recognition="reasoner"))
+    assert not tracker.recognised(True, view, "chair")  # nothing was pointed at yet
+    tracker.point(view, camera(0.0, 0.0), bearing=0.0)
+    np.testing.assert_allclose(tracker.points(view, "chair"), ahead, atol=1e-6)
+    assert tracker.recognised(True, view, "chair")
+    assert not tracker.recognised(False, view, "chair")
+    tracker.point(view, camera(0.0, 0.0), bearing=np.pi)  # nothing stands there
+    assert not tracker.recognised(True, view, "chair")
+
+
+def test_with_a_detector_pointing_changes_nothing() -> None:
+    view = make_view(obstacles=CHAIR, scene=FLOOR)
+    tracker = GoalTracker(GoalConfig())
+    tracker.point(view, camera(0.0, 0.0), bearing=0.0)
+    assert not tracker.is_mapped(view, "chair")

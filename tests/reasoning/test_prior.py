@@ -261,3 +261,12 @@ def test_the_reason_is_one_telling_sentence():
 def test_names_from_outside_cannot_break_the_reason():
     memory = star(node(1, 0.0, room="kit\nchen", objects=("oven",)))
     assert len(decide("fri\u2028dge", memory).reason.splitlines()) == 1
+
+
+def test_affinities_are_probabilities_and_know_what_goes_with_what() -> None:
+    prior = PriorReasoner()
+    rooms = prior.room_affinity("bed", ["bedroom", "kitchen", "Master Bedroom", "no such room"])
+    assert rooms[0] == rooms[2] > rooms[3] > rooms[1] >= 0.0
+    objects = prior.object_affinity("bed", ["bed", "nightstand", "oven", "what's it"])
+    assert objects[0] == 1.0 > objects[1] > objects[3] > objects[2] > 0.0
+    assert prior.room_affinity("bed", []).shape == prior.object_affinity("bed", []).shape == (0,)

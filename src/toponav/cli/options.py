@@ -58,6 +58,10 @@ class RunOptions:
     labels: Path | None = None
     """Label table of mesh scenes: JSON, node-name pattern to category."""
 
+    record: bool = True
+    """Write every step and decision into OUT/episodes (about 60 kB an episode), for replay and
+    reports; the workers of a cluster must share that folder."""
+
     data: Path = Path("data")
     """Folder that holds `scene_datasets`, for the scenes of an ObjectNav episode file."""
 

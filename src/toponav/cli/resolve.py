@@ -39,6 +39,7 @@ def resolve_request(source: str, options: RunOptions, shard: str | None = None) 
             "shard": shard,
             "workers": options.workers,
             "ray_address": options.ray_address,
+            "record": options.record,
         },
         "the command line",
     )

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from toponav.config import config_sha
 from toponav.errors import TopoNavError
+from toponav.evaluation.recorder import EpisodeRecorder, episode_folder
 from toponav.evaluation.results import EpisodeResult
 from toponav.evaluation.rollout import EpisodeSpec, Rollout, RunIdentity
 from toponav.evaluation.run_config import RunConfig
@@ -19,10 +22,17 @@ NO_EPISODE = SceneEpisode("", (0.0, 0.0, 0.0), 0.0)
 class EpisodeWorker:
     """Runs the episodes of a source by one configuration."""
 
-    def __init__(self, source: Source, config: RunConfig) -> None:
-        """Load nothing yet."""
+    def __init__(self, source: Source, config: RunConfig, record_into: Path | None = None) -> None:
+        """Load nothing yet.
+
+        Args:
+            source: Where the episodes are.
+            config: How they are run.
+            record_into: The run's folder, when every step and decision is to be recorded there.
+        """
         self._source = source
         self._config = config
+        self._record_into = record_into
         self._spec: str | None = None
         self._runner: SceneRunner | None = None
 
@@ -34,7 +44,11 @@ class EpisodeWorker:
         except TopoNavError as error:
             return self.failed(task, str(error))
         try:
-            return runner.run(episode)
+            if self._record_into is None:
+                return runner.run(episode)
+            folder = episode_folder(self._record_into, task.scene, task.index)
+            recorder = EpisodeRecorder(folder)
+            return runner.run(episode, (recorder,), (recorder,))
         except TopoNavError as error:
             return runner.scored(episode, Rollout.impossible(str(error)))
 

@@ -71,7 +71,8 @@ def evaluate(
     if request.workers < 1:
         raise InputError(f"--workers takes a positive number, not {request.workers}")
     check_parts(config)
-    make_worker = partial(EpisodeWorker, source, config)
+    recorded = folder.resolve() if request.record else None
+    make_worker = partial(EpisodeWorker, source, config, recorded)
     run = RunFolder(folder)
     with run.opened(request, config, resume):
         results = _run(run, tasks, make_worker, partial(_crew, make_worker, request), on_progress)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
-from toponav.files import append_line, write_atomic
 from toponav.mapping.view import MapView
 from toponav.memory.graph import TopologicalMemory
 from toponav.memory.serialization import save_memory
@@ -15,6 +15,11 @@ from toponav.types import Action, Observation
 
 POSITION_DIGITS = 6
 """Decimals of metres and radians in the files: far below any tolerance, and readable."""
+
+
+def episode_folder(run: Path, scene: str, index: int) -> Path:
+    """Where an episode of a run is recorded; the scene's name is free text."""
+    return run / "episodes" / f"{re.sub(r'[^A-Za-z0-9_.-]+', '_', scene)}_{index}"
 
 
 class EpisodeRecorder:
@@ -27,12 +32,11 @@ class EpisodeRecorder:
     def __init__(self, folder: Path) -> None:
         """Start new files in `folder`, replacing those of an earlier episode."""
         folder.mkdir(parents=True, exist_ok=True)
-        self._trajectory = folder / "trajectory.jsonl"
-        self._decisions = folder / "decisions.jsonl"
         self._memory = folder / "memory.json"
-        for path in (self._trajectory, self._decisions):
-            write_atomic(path, "")
         self._memory.unlink(missing_ok=True)
+        # Buffered by line: what happened before a kill is there, without a disk access a step.
+        self._trajectory = (folder / "trajectory.jsonl").open("w", encoding="utf-8", buffering=1)
+        self._decisions = (folder / "decisions.jsonl").open("w", encoding="utf-8", buffering=1)
 
     def on_step(self, observation: Observation, action: Action) -> None:
         """Append one line to `trajectory.jsonl`."""
@@ -44,15 +48,17 @@ class EpisodeRecorder:
             "collided": observation.collided,
             "action": action.name.lower(),
         }
-        append_line(self._trajectory, json.dumps(line))
+        self._trajectory.write(json.dumps(line) + "\n")
 
     def on_decision(self, decision: Decision) -> None:
         """Append one line to `decisions.jsonl`."""
-        append_line(self._decisions, json.dumps(_decision_line(decision)))
+        self._decisions.write(json.dumps(_decision_line(decision)) + "\n")
 
     def on_close(self, map_view: MapView | None, memory: TopologicalMemory | None) -> None:
-        """Write `memory.json`, when the method keeps a memory and made a decision."""
+        """Close the files; write `memory.json`, when the method keeps a memory and decided."""
         del map_view
+        self._trajectory.close()
+        self._decisions.close()
         if memory is not None and memory.nodes:
             save_memory(memory, self._memory)
 

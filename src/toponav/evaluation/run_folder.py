@@ -21,7 +21,9 @@ CONFIG_FILE, RUN_FILE, SUMMARY_FILE = "config.json", "run.json", "summary.json"
 ERRORS_FILE = "errors.log"
 """Tracebacks of episodes that failed by a defect; absent without any."""
 
-FREE_TO_CHANGE = frozenset({"episodes", "labels", "data", "shard", "workers", "ray_address"})
+FREE_TO_CHANGE = frozenset(
+    {"episodes", "labels", "data", "shard", "workers", "ray_address", "record"}
+)
 """What of a request may differ when a run is resumed, since no result depends on it."""
 
 
@@ -48,6 +50,9 @@ class RunRequest(ConfigModel):
 
     ray_address: str | None = None
     """HOST:PORT of a cluster's head."""
+
+    record: bool = True
+    """Write every step and decision into a folder an episode."""
 
 
 class RunFolder:
