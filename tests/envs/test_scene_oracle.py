@@ -63,6 +63,18 @@ def test_the_distance_follows_the_agent_and_the_target(env: HouseEnv) -> None:
     assert env.oracle.distance_to_goal() == pytest.approx(0.0, abs=0.1)
 
 
+def test_viewpoints_that_a_dataset_brings_count_instead_of_those_found() -> None:
+    given = np.array([[0.5, 1.0, 0.0], [0.6, 1.0, 0.0]])
+    nowhere = np.zeros((0, 3))
+    scene = Scene(
+        "box", room(extra=PARTS), floors=(0.0,), viewpoints={"table": given, "bed": nowhere}
+    )
+    env = HouseEnv(scene, HouseEnvConfig(width=32, height=24))
+    assert env.oracle.categories() == ("table",)
+    env.reset(options={"target": "table", "start": (0.6, 2.0, 0.0, 0.0)})
+    assert env.oracle.distance_to_goal() == pytest.approx(1.0, abs=0.03)
+
+
 def test_synonyms_name_the_same_viewpoints(env: HouseEnv) -> None:
     np.testing.assert_array_equal(env.oracle.viewpoints("Bed"), env.oracle.viewpoints("bed"))
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,6 +68,8 @@ class Scene:
         floors: z of each known floor, ascending; empty when the simulator must find them.
         episodes: Episodes that the scene brings with it, maybe none.
         room_types: Room labels by polygon, for statistics and tests only: (type, level, (n, 2)).
+        viewpoints: (N, 3) goal viewpoints by canonical category, where a dataset brings them; of
+            other categories the simulator finds them.
     """
 
     name: str
@@ -74,3 +77,4 @@ class Scene:
     floors: tuple[float, ...] = ()
     episodes: tuple[SceneEpisode, ...] = ()
     room_types: tuple[tuple[str, int, NDArray[np.float64]], ...] = ()
+    viewpoints: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)

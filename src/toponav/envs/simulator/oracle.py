@@ -37,7 +37,7 @@ class SceneOracle:
         self._surface = surface
         self._caster = caster
         self._episode = episode
-        self._viewpoints: dict[str, NDArray[np.float64]] = {}
+        self._viewpoints = dict(scene.viewpoints)
         self._fields: dict[str, DistanceField] = {}
         self._categories: tuple[str, ...] | None = None
 
@@ -54,8 +54,8 @@ class SceneOracle:
         """Categories that have at least one viewpoint, sorted; structure left out."""
         if self._categories is None:
             named = {instance.category for instance in self._scene.mesh.instances}
-            candidates = sorted(named - STRUCTURE_CATEGORIES - {"unknown"})
-            self._categories = tuple(c for c in candidates if len(self.viewpoints(c)))
+            candidates = (named - STRUCTURE_CATEGORIES - {"unknown"}) | set(self._scene.viewpoints)
+            self._categories = tuple(c for c in sorted(candidates) if len(self.viewpoints(c)))
         return self._categories
 
     def viewpoints(self, category: str) -> NDArray[np.float64]:
