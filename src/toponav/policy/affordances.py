@@ -190,5 +190,8 @@ def _is_safe(
     # so read literally the mask would keep the dangerous points. Its text asks for the opposite
     # ("zeroing out affordances near obstacles"), hence the complement here.
     a_obs = normalized_affordance(points, obstacles, config.epsilon)
-    clearance, _ = cKDTree(obstacles[:, :2]).query(points[:, :2])
+    # Infinite where nothing is nearer than that: all that has to be known, and sooner found.
+    clearance, _ = cKDTree(obstacles[:, :2]).query(
+        points[:, :2], distance_upper_bound=config.min_clearance_m
+    )
     return np.asarray((1.0 - a_obs > config.sigma) & (clearance >= config.min_clearance_m))
