@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 from scipy.spatial.transform import Rotation
 
-from toponav.categories import canonical, readable
+from toponav.categories import HM3D_TARGETS, MP3D_TARGETS, canonical, readable
 from toponav.config_model import ConfigModel
 from toponav.envs.simulator.agent_body import AgentBody
 from toponav.envs.simulator.navigation import NavigableSurface
@@ -195,6 +195,9 @@ class HouseEnv(gymnasium.Env[dict[str, Any], Any]):
     def sample_episode(self, rng: np.random.Generator, target: str | None = None) -> SceneEpisode:
         """Draw a target of the scene, unless one is given, and a start far enough from it.
 
+        Targets are drawn from HM3D's six categories, or from MP3D's where the scene has none of
+        those, or from whatever it has.
+
         Raises:
             EpisodeError: The scene has no target that can be reached.
         """
@@ -202,7 +205,12 @@ class HouseEnv(gymnasium.Env[dict[str, Any], Any]):
         if not categories:
             raise EpisodeError(f"{self.scene.name} has no object that could be a target")
         if target is None:
-            target = categories[int(rng.integers(len(categories)))]
+            usual = (
+                [name for name in categories if name in known]
+                for known in (HM3D_TARGETS, MP3D_TARGETS)
+            )
+            candidates = next(filter(None, usual), categories)
+            target = candidates[int(rng.integers(len(candidates)))]
         field = self.surface.distance_field(self.oracle.viewpoints(target))
         farthest: tuple[float, NDArray[np.float64]] | None = None
         for _ in range(SAMPLE_TRIES):
