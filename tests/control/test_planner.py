@@ -171,3 +171,30 @@ def test_doors_stay_passable_wherever_the_grid_lies(width: float, offset: float)
     path = field.path_from((1.0, 0.2))
     crossing = path[np.argmin(np.abs(path[:, 1] - 1.55)), 0]
     assert crossing == pytest.approx((low + high) / 2, abs=0.12)
+
+
+def flight(rise_m: float) -> OccupancyGrid:
+    """Floor all round a flight of five cells' width that climbs along x, `rise_m` a cell."""
+    grid = drawn(*["." * 25] * 25)
+    stairs = np.full((25, 25), np.nan, np.float32)
+    stairs[8:17, 10:15] = rise_m * (1 + np.arange(9, dtype=np.float32))[:, None]
+    return OccupancyGrid(grid.cells, grid.origin, R, stairs)
+
+
+@pytest.mark.parametrize("rise_m", [0.17, -0.17])
+def test_a_flight_is_entered_at_its_end_and_not_over_its_side(rise_m: float) -> None:
+    clearance = THIN.clearance(flight(rise_m), FAR)
+    field = THIN.cost_field(clearance, [center(12, 12)])
+    path = field.path_from(center(12, 2))
+    on_stairs = [cell for cell in clearance.grid.index_of(path) if 10 <= cell[1] < 15]
+    entered = next(cell for cell in on_stairs if 8 <= cell[0] < 17)
+    assert entered[0] == 8  # the lowest tread
+    assert field.length_from(center(12, 2)) > 1.2  # the way round; straight it is one metre
+
+
+def test_a_flat_stair_is_floor() -> None:
+    clearance = THIN.clearance(flight(0.02), FAR)
+    assert clearance.traversable.all()
+    assert THIN.cost_field(clearance, [center(12, 12)]).length_from(center(12, 2)) == pytest.approx(
+        1.0
+    )

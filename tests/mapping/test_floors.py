@@ -5,7 +5,7 @@ from map_frames import detections_of, floor_depth, nothing_seen, observe
 from map_reference import voxels_of
 
 from toponav.mapping.semantic_map import SemanticMap
-from toponav.mapping.view import FREE
+from toponav.mapping.view import FREE, MapView
 from toponav.types import Observation
 
 STOREY = 3.0
@@ -106,6 +106,16 @@ def test_a_floor_seen_from_above_is_sorted_when_it_is_entered() -> None:
     assert (view.grid.cells[index[:, 0], index[:, 1]] == FREE).all()
 
 
+def check_heights(view: MapView, treads: np.ndarray) -> None:
+    """The grid knows the highest tread over each cell, and that elsewhere there is none."""
+    assert view.grid.stairs is not None
+    expected = np.full(view.grid.cells.shape, np.nan)
+    for point in treads:
+        i, j = view.grid.index_of(point)
+        expected[i, j] = np.fmax(expected[i, j], point[2] - view.floor_z)
+    np.testing.assert_allclose(view.grid.stairs, expected, atol=1e-6)
+
+
 def test_stairs_belong_to_the_floors_that_they_join() -> None:
     """A ramp of "stairs" from 0 to 3 m is navigable on both floors, whole."""
     camera = observe(np.zeros((30, 40)))
@@ -118,8 +128,10 @@ def test_stairs_belong_to_the_floors_that_they_join() -> None:
     ramp = observe(depth)
     semantic_map = climbed(standing(0.0, yaw=np.pi))
     semantic_map.integrate(ramp, detections_of(("stairs", depth > 0.0)))
-    stairs = set(voxels_of(semantic_map.view().objects["stairs"].points, 0.05))
+    points = semantic_map.view().objects["stairs"].points
+    stairs = set(voxels_of(points, 0.05))
     assert len(stairs) > 50
+    check_heights(semantic_map.view(), points)
     assert stairs <= set(voxels_of(semantic_map.view().navigable.points, 0.05))
     upstairs = standing(STOREY, x=5.0)
     semantic_map.integrate(upstairs, nothing_seen(upstairs))
@@ -127,6 +139,7 @@ def test_stairs_belong_to_the_floors_that_they_join() -> None:
     assert view.floor == 1
     assert stairs <= set(voxels_of(view.navigable.points, 0.05))
     assert not stairs & set(voxels_of(view.obstacles.points, 0.05))
+    check_heights(view, points)
     third = standing(2 * STOREY, x=5.0)
     semantic_map.integrate(third, nothing_seen(third))
     assert semantic_map.view().floor == 2

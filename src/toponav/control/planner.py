@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
-from scipy.ndimage import distance_transform_edt
+from scipy.ndimage import binary_dilation, distance_transform_edt
 
 from toponav.config_model import ConfigModel
 from toponav.control.shortest_paths import NO_PARENT, shortest_paths
@@ -29,6 +29,10 @@ class PlannerConfig(ConfigModel):
 
     escape_radius_m: float = Field(default=0.45, ge=0.0)
     """Around the agent, free cells may be crossed however near an obstacle is: it stands there."""
+
+    max_step_m: float = Field(default=0.3, gt=0.0)
+    """Where a stair is higher or lower than this against the floor beside it, metres, one cannot
+    step on it: more than a riser (0.2 m at most) and the map's noise."""
 
     goal_tolerance_m: float = Field(default=0.3, ge=0.0)
     """A goal where the agent does not fit is replaced by the nearest cell within this where it
@@ -138,6 +142,9 @@ class Planner:
         """
         config = self._config
         occupied, free = grid.cells == OCCUPIED, grid.cells == FREE
+        if grid.stairs is not None:
+            occupied |= _flight_sides(free, grid.stairs, config.max_step_m)
+            free &= ~occupied
         if blocked_xy is not None:
             felt = grid.index_of(np.asarray(blocked_xy, dtype=np.float64).reshape(-1, 2))
             felt = felt[grid.contains(felt)]
@@ -188,6 +195,15 @@ class Planner:
         distance = np.hypot(*(centers - goal_xy).T)
         nearest = int(np.argmin(distance))
         return centers[nearest] if distance[nearest] <= self._config.goal_tolerance_m else None
+
+
+def _flight_sides(
+    free: NDArray[np.bool_], stairs: NDArray[np.float32], max_step_m: float
+) -> NDArray[np.bool_]:
+    """(N_x, N_y) stair cells beside plain floor that is too far below or above to step to."""
+    on_stairs = np.isfinite(stairs)
+    beside_floor = binary_dilation(free & ~on_stairs, structure=np.ones((3, 3)))
+    return np.asarray(on_stairs & beside_floor & (np.abs(stairs) > max_step_m))
 
 
 def _distance_to(grid: OccupancyGrid, xy: ArrayLike) -> NDArray[np.float64]:

@@ -74,6 +74,7 @@ class FloorLayers:
         self._floors: list[Floor] = []
         self._codes = np.empty(0, np.int16)
         self._is_stairs = np.empty(0, np.bool_)
+        self._stairs = np.empty(0, np.int64)
 
     @property
     def floors(self) -> tuple[Floor, ...]:
@@ -103,7 +104,8 @@ class FloorLayers:
         """Label scene voxels, by key, as belonging to C_nav; `update` makes it count."""
         self._follow_storage()
         arrays = self._scene.arrays
-        _mark(arrays.table, arrays.keys, keys, self._is_stairs)
+        new = _mark(arrays.table, arrays.keys, keys, self._is_stairs)
+        self._stairs = np.append(self._stairs, new)
 
     def update(self, slots: NDArray[np.int32]) -> None:
         """Sort scene voxels whose centroid or label changed."""
@@ -134,6 +136,12 @@ class FloorLayers:
         wanted = self._wanted([_code(floor, Layer.OBSTACLE)])
         return _slots_with(self._codes, len(self._scene), wanted)
 
+    def stairs(self, floor: Floor) -> NDArray[np.int64]:
+        """Slots of the stairs that rise from a floor or lead up to it."""
+        wanted = self._wanted(self._stairs_codes(floor))
+        found: NDArray[np.int64] = self._stairs[wanted[self._codes[self._stairs]]]
+        return found
+
     def are_navigable(self, slots: NDArray[np.integer], floor: Floor) -> NDArray[np.bool_]:
         """(N,) which scene voxels are in M_nav of a floor."""
         navigable: NDArray[np.bool_] = self._wanted(self._navigable_codes(floor))[
@@ -152,7 +160,10 @@ class FloorLayers:
 
     def _navigable_codes(self, floor: Floor) -> list[int]:
         """Its own floor and stairs, and the stairs that rise from the floor below."""
-        codes = [_code(floor, Layer.NAVIGABLE), _code(floor, Layer.STAIRS)]
+        return [_code(floor, Layer.NAVIGABLE), *self._stairs_codes(floor)]
+
+    def _stairs_codes(self, floor: Floor) -> list[int]:
+        codes = [_code(floor, Layer.STAIRS)]
         lower = [other for other in self._floors if other.z < floor.z]
         if lower:
             codes.append(_code(max(lower, key=lambda other: other.z), Layer.STAIRS))
@@ -223,6 +234,14 @@ def _mark(
     keys: NDArray[np.int64],
     wanted: NDArray[np.int64],
     marks: NDArray[np.bool_],
-) -> None:
+) -> NDArray[np.int64]:
+    """Mark the slots of keys; returns those that were not marked before."""
+    new = np.empty(wanted.size, np.int64)
+    count = 0
     for row in range(wanted.size):
-        marks[find_slot(table, keys, wanted[row])] = True
+        slot = find_slot(table, keys, wanted[row])
+        if not marks[slot]:
+            marks[slot] = True
+            new[count] = slot
+            count += 1
+    return new[:count]

@@ -14,6 +14,7 @@ Where the paper is silent, or where it is departed from:
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
@@ -27,7 +28,7 @@ from toponav.mapping.floors import Floor, FloorLayers
 from toponav.mapping.frontiers import FrontierMap
 from toponav.mapping.interpolation import Spacing, disc, interpolate
 from toponav.mapping.occupancy import FloorGrid
-from toponav.mapping.view import FrameUpdate, MapView, PointCloud
+from toponav.mapping.view import FrameUpdate, MapView, OccupancyGrid, PointCloud
 from toponav.mapping.voxels import VoxelCloud, columns_of, frozen
 from toponav.types import Detections, Observation
 
@@ -275,10 +276,22 @@ class SemanticMap:
             obstacles=_rows((scene, self._layers.obstacles(floor))),
             frontiers=frozen(np.hstack([frontier_xy, frontier_z])),
             frontier_labels=frozen(frontier_labels),
-            grid=floor.grid.snapshot(),
+            grid=self._grid(floor),
             floor_z=floor.z,
             floor=floor.index,
         )
+
+    def _grid(self, floor: Floor) -> OccupancyGrid:
+        """G, with the heights of the stairs on it."""
+        grid = floor.grid.snapshot()
+        treads = self._scene.arrays.points[self._layers.stairs(floor)]
+        if not len(treads):
+            return grid
+        heights = np.full(grid.cells.shape, -np.inf, np.float32)
+        cell = grid.index_of(treads)
+        np.maximum.at(heights, (cell[:, 0], cell[:, 1]), treads[:, 2] - np.float32(floor.z))
+        heights[np.isneginf(heights)] = np.nan
+        return replace(grid, stairs=frozen(heights))
 
     def _navigable(self, floor: Floor, scene: PointCloud) -> PointCloud:
         """M_nav: the observed voxels, then the bridges where nothing was observed."""

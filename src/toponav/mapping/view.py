@@ -38,11 +38,14 @@ class OccupancyGrid:
         cells: (N_x, N_y) int8 of FREE, UNKNOWN, OCCUPIED; obstacles take precedence.
         origin: (x_min, y_min) of cell (0, 0), metres.
         resolution: r_g, metres.
+        stairs: (N_x, N_y) float32 height of the highest stair tread over the floor, metres, NaN
+            where there is no stair; None for a floor without stairs.
     """
 
     cells: NDArray[np.int8]
     origin: tuple[float, float]
     resolution: float
+    stairs: NDArray[np.float32] | None = None
 
     def index_of(self, xy: ArrayLike) -> NDArray[np.int64]:
         """phi(p): (..., 2) cell indices of (..., 2) positions; may lie outside the grid."""
