@@ -20,7 +20,8 @@ REASONING = MEMORY | {"reasoning"}
 POLICY = REASONING | {"policy"}
 CONTROL = POLICY | {"control"}
 AGENTS = CONTROL | {"config", "navigator", "baselines", "methods"}
-EVALUATION = AGENTS | {"envs", "scenes", "evaluation"}
+DATASETS = BASE | {"datasets"}
+EVALUATION = AGENTS | {"envs", "scenes", "datasets", "evaluation"}
 ALLOWED = {
     "errors": set(),
     "config_model": set(),
@@ -41,6 +42,7 @@ ALLOWED = {
     "methods": AGENTS,
     "scenes": SCENES,
     "envs": SCENES | {"envs"},
+    "datasets": DATASETS,
     "evaluation": EVALUATION,
     "viz": EVALUATION | {"viz"},
     "cli": EVALUATION | {"viz", "cli"},

@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections import Counter
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Protocol
 
+from toponav.datasets import (
+    ObjectNavEpisode,
+    is_objectnav_file,
+    load_objectnav,
+    missing_scene_message,
+    scene_file,
+)
+from toponav.datasets.scene_files import scene_name
+from toponav.errors import SceneError
 from toponav.evaluation.tasks import SceneOutline
 from toponav.scenes.loading import list_scenes, load_scene, scene_outline
-from toponav.scenes.mesh import Scene
+from toponav.scenes.mesh import Scene, SceneEpisode
 
 
 class Source(Protocol):
@@ -52,13 +63,50 @@ class SceneSource:
         return load_scene(spec, self.labels)
 
 
+@dataclass(frozen=True)
+class ObjectNavSource:
+    """An ObjectNav episode file in Habitat's format.
+
+    Attributes:
+        path: The split's file, or one scene's.
+        data: Folder that holds `scene_datasets`.
+    """
+
+    path: Path
+    data: Path
+
+    def outlines(self) -> list[SceneOutline]:
+        """The scenes, in the order of the file; a scene whose file is missing is an error."""
+        counts = Counter(episode.scene_id for episode in self._episodes)
+        for scene_id in counts:
+            if not scene_file(scene_id, self.data).is_file():
+                raise SceneError(missing_scene_message(scene_id, self.data))
+        return [SceneOutline(key, scene_name(key), count) for key, count in counts.items()]
+
+    def load(self, spec: str) -> Scene:
+        """A scene with the file's episodes, and the viewpoints by which they are scored."""
+        scene = load_scene(str(scene_file(spec, self.data)))
+        own = [episode for episode in self._episodes if episode.scene_id == spec]
+        return replace(
+            scene,
+            name=scene_name(spec),
+            episodes=tuple(SceneEpisode(e.target, e.start, e.yaw) for e in own),
+            viewpoints={episode.target: episode.viewpoints for episode in own},
+        )
+
+    @cached_property
+    def _episodes(self) -> tuple[ObjectNavEpisode, ...]:
+        return load_objectnav(self.path).episodes
+
+
 def open_source(source: str, labels: Path | None, data: Path) -> Source:
     """What a SOURCE on the command line stands for.
 
     Args:
         source: What the user typed.
         labels: Label table of mesh scenes.
-        data: Where the scenes of an episode file lie.
+        data: Folder that holds `scene_datasets`, for an episode file.
     """
-    del data
+    if is_objectnav_file(Path(source)):
+        return ObjectNavSource(Path(source), data)
     return SceneSource(source, labels)

@@ -1,0 +1,25 @@
+"""Episodes of published benchmarks, read from their own files."""
+
+from toponav.datasets.check import DatasetReport, check_objectnav
+from toponav.datasets.objectnav import (
+    Goal,
+    ObjectNavDataset,
+    ObjectNavEpisode,
+    load_objectnav,
+    save_objectnav,
+)
+from toponav.datasets.objectnav_file import is_objectnav_file
+from toponav.datasets.scene_files import missing_scene_message, scene_file
+
+__all__ = [
+    "DatasetReport",
+    "Goal",
+    "ObjectNavDataset",
+    "ObjectNavEpisode",
+    "check_objectnav",
+    "is_objectnav_file",
+    "load_objectnav",
+    "missing_scene_message",
+    "save_objectnav",
+    "scene_file",
+]
