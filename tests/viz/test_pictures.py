@@ -50,8 +50,10 @@ def memory() -> TopologicalMemory:
 
 
 def texts(picture: TopDownPicture) -> set[str]:
-    axes = draw_topdown(picture).axes[0]
-    return {text.get_text() for text in axes.texts} | {axes.get_title()}
+    figure = draw_topdown(picture)
+    axes = figure.axes[0]
+    headings = {figure.get_suptitle(), axes.get_title()}
+    return {text.get_text() for text in axes.texts} | headings
 
 
 def test_the_top_down_picture_names_nodes_rooms_and_frontiers(

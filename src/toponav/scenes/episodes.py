@@ -23,7 +23,7 @@ TRIES = 200
 def sample_episodes(
     house: House, rng: np.random.Generator, count: int, other_level: tuple[bool, ...] = (False,)
 ) -> list[HouseEpisode]:
-    """Draw episodes; fewer when the house has no target or no free floor.
+    """Draw episodes; fewer when the house has no target, no free floor or no level without one.
 
     Args:
         house: A furnished house.

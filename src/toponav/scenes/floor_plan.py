@@ -25,6 +25,10 @@ CORNER_GAP_M = 0.25
 """Least wall between an opening and a corner."""
 FILL_LIMIT_M = 1.6
 """The last room of the shorter row grows by up to this to meet the end of the longer one."""
+LEAST_WIDTH_M = 1.5
+"""Of a room behind a door: the widest door, both of its corner gaps, and a little."""
+SHIFT_M = 0.4
+"""How far the wall between two rooms south of the large one may lie from the middle."""
 
 ROOM_WIDTH_M = {
     "bedroom": (3.1, 4.3), "kids room": (2.8, 3.6), "bathroom": (2.2, 2.9), "office": (2.6, 3.6),
@@ -32,6 +36,9 @@ ROOM_WIDTH_M = {
     "library": (2.8, 3.6), "utility room": (1.9, 2.5),
 }  # fmt: skip
 """Width along the hallway of the rooms on it."""
+
+RowRoom = tuple[str, float, float]
+"""Type, west end and east end of a room on the hallway."""
 
 
 @dataclass(frozen=True)
@@ -65,13 +72,18 @@ class FloorPlan:
     openings: tuple[Opening, ...]
     row_ends: tuple[float, float]
 
+    @property
+    def has_hallway(self) -> bool:
+        """Whether a hallway leaves the public zone, with rooms on it."""
+        return max(self.row_ends) > self.frame.public_x
+
 
 def draw_frame(rng: np.random.Generator, scale: float, least_public_x: float) -> Frame:
     """Draw the walls that all levels share."""
     south = scale * rng.uniform(*SOUTH_DEPTH_M)
     hall = south + rng.uniform(*HALL_WIDTH_M)
     depth = hall + scale * rng.uniform(*NORTH_DEPTH_M)
-    public = max(least_public_x, scale * rng.uniform(*PUBLIC_WIDTH_M))
+    public = max(least_public_x, 2 * LEAST_WIDTH_M, scale * rng.uniform(*PUBLIC_WIDTH_M))
     return Frame(round(public, 2), (round(south, 2), round(hall, 2)), round(depth, 2))
 
 
@@ -103,21 +115,8 @@ class LevelDrawer:
         frame = self._frame
         large = self._draw_public(public)
         rows = self._fill_rows(private, limits)
-        ends = (frame.public_x, frame.public_x)
         if any(rows):
-            hall_end = max(x1 for row in rows for _, _, x1 in row)
-            hall = self._room("hallway", frame.public_x, frame.hall[0], hall_end, frame.hall[1])
-            wide = frame.hall[1] - frame.hall[0] - 2 * CORNER_GAP_M
-            center = (frame.public_x, sum(frame.hall) / 2)
-            self._open("open", large, hall, center, round(wide, 2))
-            for row, (low, high), wall in (
-                (rows[0], (0.0, frame.hall[0]), frame.hall[0]),
-                (rows[1], (frame.hall[1], frame.depth), frame.hall[1]),
-            ):
-                for kind, x0, x1 in row:
-                    room = self._room(kind, x0, low, x1, high)
-                    self._door(room, hall, wall, (x0, x1))
-            ends = tuple(max((x1 for *_, x1 in row), default=frame.public_x) for row in rows)  # type: ignore[assignment]
+            self._draw_hallway(large, rows)
         if self._level == 0:
             self._openings.append(
                 Opening(
@@ -127,7 +126,23 @@ class LevelDrawer:
                     width=OUTER_DOOR_WIDTH_M,
                 )
             )
-        return FloorPlan(frame, tuple(self._rooms), tuple(self._openings), ends)
+        south, north = (max((x1 for *_, x1 in row), default=frame.public_x) for row in rows)
+        return FloorPlan(frame, tuple(self._rooms), tuple(self._openings), (south, north))
+
+    def _draw_hallway(self, large: Room, rows: tuple[list[RowRoom], list[RowRoom]]) -> None:
+        """The hallway, open to the large room, and the rooms south and north of it."""
+        frame = self._frame
+        end = max(x1 for row in rows for *_, x1 in row)
+        hall = self._room("hallway", frame.public_x, frame.hall[0], end, frame.hall[1])
+        wide = frame.hall[1] - frame.hall[0] - 2 * CORNER_GAP_M
+        self._open("open", large, hall, (frame.public_x, sum(frame.hall) / 2), round(wide, 2))
+        for row, (low, high), wall in (
+            (rows[0], (0.0, frame.hall[0]), frame.hall[0]),
+            (rows[1], (frame.hall[1], frame.depth), frame.hall[1]),
+        ):
+            for kind, x0, x1 in row:
+                room = self._room(kind, x0, low, x1, high)
+                self._door(room, hall, wall, (x0, x1))
 
     def _draw_public(self, types: Sequence[str]) -> Room:
         """The large room, with the others side by side along its south."""
@@ -137,7 +152,8 @@ class LevelDrawer:
         others = types[1:]
         edges = np.round(np.linspace(0.0, frame.public_x, len(others) + 1), 2)
         if len(others) == 2:
-            edges[1] = round(float(edges[1] + self._rng.uniform(-0.4, 0.4)), 2)
+            shift = min(self._scale * SHIFT_M, frame.public_x / 2 - LEAST_WIDTH_M)
+            edges[1] = round(float(edges[1] + self._rng.uniform(-shift, shift)), 2)
         for kind, x0, x1 in zip(others, edges[:-1], edges[1:], strict=True):
             room = self._room(kind, float(x0), 0.0, float(x1), strip)
             if kind in ROOM_WIDTH_M:
@@ -150,13 +166,14 @@ class LevelDrawer:
 
     def _fill_rows(
         self, private: Sequence[str], limits: tuple[float, float] | None
-    ) -> tuple[list[tuple[str, float, float]], list[tuple[str, float, float]]]:
-        """Add each room to the shorter row; (type, x0, x1) from west to east."""
-        rows: tuple[list[tuple[str, float, float]], ...] = ([], [])
+    ) -> tuple[list[RowRoom], list[RowRoom]]:
+        """Add each room to the shorter row; from west to east."""
+        rows: tuple[list[RowRoom], list[RowRoom]] = ([], [])
         ends = [self._frame.public_x, self._frame.public_x]
         allowed = limits or (np.inf, np.inf)
         for kind in private:
-            width = round(self._scale * float(self._rng.uniform(*ROOM_WIDTH_M[kind])), 2)
+            drawn = self._scale * float(self._rng.uniform(*ROOM_WIDTH_M[kind]))
+            width = max(LEAST_WIDTH_M, round(drawn, 2))
             for side in sorted((0, 1), key=lambda k: (ends[k], k)):
                 if ends[side] + width <= allowed[side] + 1e-6:
                     x1 = round(ends[side] + width, 2)
@@ -167,7 +184,7 @@ class LevelDrawer:
         if rows[short] and ends[1 - short] - ends[short] < FILL_LIMIT_M and limits is None:
             kind, x0, _ = rows[short][-1]
             rows[short][-1] = (kind, x0, ends[1 - short])
-        return rows[0], rows[1]
+        return rows
 
     def _room(self, kind: str, x0: float, y0: float, x1: float, y1: float) -> Room:
         corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]

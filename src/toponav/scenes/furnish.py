@@ -119,7 +119,7 @@ class _Furnisher:
     def _candidates(self, place: Place, size: Extents) -> list[_Pose]:
         """Places to try, in random order."""
         if place is Place.CENTER:
-            return self._central_places(size)
+            return self._central_places()
         poses = []
         walls = [wall for wall in self._space.walls() if wall.length >= size[0] + 0.1]
         if not walls:
@@ -136,13 +136,13 @@ class _Furnisher:
             poses.append(_Pose(center, wall.yaw))
         return poses
 
-    def _central_places(self, size: Extents) -> list[_Pose]:
+    def _central_places(self) -> list[_Pose]:
+        """Poses that stray ever farther from the middle, along the longer side."""
         low_x, low_y, high_x, high_y = self._space.polygon.bounds
         middle = np.array([(low_x + high_x) / 2, (low_y + high_y) / 2])
         spread = np.array([high_x - low_x, high_y - low_y]) / 4
         along = 0.0 if high_x - low_x >= high_y - low_y else math.pi / 2
         offsets = self._rng.uniform(-1.0, 1.0, (TRIES, 2)) * np.linspace(0.0, 1.0, TRIES)[:, None]
-        del size
         return [_Pose(middle + offset * spread, along) for offset in offsets]
 
     def _stand(self, category: str, size: Extents, pose: _Pose) -> bool:
@@ -171,7 +171,8 @@ class _Furnisher:
         walls = [wall for wall in self._space.walls() if wall.length >= size[0] + 0.2]
         for _ in range(TRIES if walls else 0):
             wall = walls[int(self._rng.integers(len(walls)))]
-            at = float(self._rng.uniform(size[0] / 2 + 0.1, wall.length - size[0] / 2 - 0.1))
+            low, high = size[0] / 2 + 0.1, wall.length - size[0] / 2 - 0.1
+            at = float(self._rng.uniform(low, max(low, high)))
             center = wall.start + at * wall.along + (HANG_GAP_M + size[1] / 2) * wall.inward
             footprint = rectangle(center, wall.yaw, size[0], size[1] + 0.1)
             tall = [f for f, top in self._space.footprints if top > wish.height_m]

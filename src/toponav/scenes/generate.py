@@ -46,14 +46,17 @@ class GeneratorConfig(ConfigModel):
     levels: int | None = Field(default=None, ge=1, le=2)
     """Storeys; by default two of every five seeds (those that end in 3, 4, 8 or 9) have two."""
 
-    size: float = Field(default=1.0, ge=0.8, le=1.6)
+    size: float = Field(default=1.0, ge=0.6, le=1.6)
     """Stretches all rooms."""
 
     clutter: float = Field(default=0.5, ge=0.0, le=1.0)
     """How much stands in them beyond the essential."""
 
     episodes: int = Field(default=2, ge=0, le=1000)
-    """Episodes; with two levels every other one starts on a level without the target."""
+    """Episodes; with two levels every other one starts on a level without the target.
+
+    That one is left out where both levels hold the same targets.
+    """
 
 
 def parse_generator_spec(spec: str) -> list[tuple[int, GeneratorConfig]]:
@@ -120,17 +123,24 @@ def generate_house(seed: int, config: GeneratorConfig | None = None) -> House:
 
 
 def _ground_floor(rng: np.random.Generator, scale: float, frame: Frame, rooms: int) -> FloorPlan:
-    """Public zone by the number of rooms, hallway, and the rest on the hallway."""
+    """Public zone by the number of rooms, hallway, and the rest on the hallway.
+
+    With three rooms there is no hallway: the bathroom opens onto the living room.
+    """
     public = ["living room", "kitchen"]
+    if rooms == 3:
+        return LevelDrawer(rng, scale, frame, 0).draw([*public, "bathroom"], ())
     if rooms >= 6 and rng.random() < 0.7:
         public.append("dining room")
-    private = PRIVATE_ROOMS[: max(1, rooms - len(public) - 1)]
+    private = PRIVATE_ROOMS[: rooms - len(public) - 1]
     return LevelDrawer(rng, scale, frame, 0).draw(public, private)
 
 
 def _upper_floor(rng: np.random.Generator, scale: float, below: FloorPlan) -> FloorPlan:
-    """A landing over the living room, and bedrooms over what lies below."""
+    """A landing over the living room, and bedrooms over what lies below; at least one."""
     public = ["hallway", "office" if rng.random() < 0.5 else "library"]
+    if not below.has_hallway:
+        public.append("bedroom")
     drawer = LevelDrawer(rng, scale, below.frame, 1)
     return drawer.draw(public, UPSTAIRS_ROOMS, limits=below.row_ends)
 

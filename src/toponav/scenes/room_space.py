@@ -21,10 +21,16 @@ WALL_GAP_M = 0.08
 """Half a wall and a finger's breadth: how far furniture stays from the room's outline."""
 PASSAGE_RADIUS_M = 0.27
 """Half the width of passages that stay open: the agent's 0.18 m and a margin for steering."""
+LANDING_RADIUS_M = 0.22
+"""The same for the way to a landing, which is short."""
+LOW_STEPS_M = 0.3
+"""The end of a flight that one steps onto from its side: one step of 0.2 m."""
 DOOR_DEPTH_M = 0.95
 """Floor that stays free in front of an opening."""
 DOOR_MARGIN_M = 0.12
 """Floor that stays free on each side of an opening."""
+NEAR_M = 0.3
+"""How near free floor must come to the middle of what lies before an opening or a flight."""
 REACH_M = 0.55
 """How near a passage must come to a thing that may be searched for."""
 STAIRS_LANDING_M = 1.0
@@ -72,9 +78,11 @@ class RoomSpace:
         zones = [self._door_zone(opening) for opening in openings]
         self.doors = unary_union([zone for zone in zones if zone is not None])
         flights = [area.flight for area in stairs]
-        self.clear = unary_union([self.doors, *flights, *(area.landing for area in stairs)])
+        landings = [area.landing for area in stairs]
+        self.clear = unary_union([self.doors, *flights, *landings])
         self._flights = unary_union(flights)
         self.entrances = [zone.centroid for zone in zones if zone is not None]
+        self._landings = [area for area in landings if self.polygon.contains(area.centroid)]
         self.footprints: list[tuple[Polygon, float]] = []
 
     def walls(self) -> list[WallSlot]:
@@ -115,22 +123,39 @@ class RoomSpace:
 
     def free(self) -> BaseGeometry:
         """Where the agent's centre can be."""
-        things = unary_union([footprint for footprint, _ in self.footprints])
-        walkable = self.polygon.buffer(-PASSAGE_RADIUS_M, join_style="mitre")
-        taken = unary_union([things, self._flights])
-        return walkable.difference(taken.buffer(PASSAGE_RADIUS_M - 0.02))
+        return self._free(PASSAGE_RADIUS_M, self._flights)
 
     def passable(self) -> bool:
-        """Whether all entrances and all things are still joined by free floor."""
-        parts = polygons(self.free())
-        if not parts:
+        """Whether all entrances, all landings and all things are still joined by free floor."""
+        main = self._main_part(self.free())
+        if main.is_empty:
             return not self.footprints
-        if self.entrances:
-            main = min(parts, key=lambda part: part.distance(self.entrances[0]))
-        else:
-            main = max(parts, key=lambda part: part.area)
-        joined = all(main.distance(entrance) < 0.3 for entrance in self.entrances)
-        return joined and all(main.distance(f) < REACH_M for f, _ in self.footprints)
+        return (
+            all(main.distance(entrance) < NEAR_M for entrance in self.entrances)
+            and all(main.distance(thing) < REACH_M for thing, _ in self.footprints)
+            and self._landings_joined()
+        )
+
+    def _landings_joined(self) -> bool:
+        """Whether one gets from the entrances to every flight, over its lowest step if need be."""
+        if not self._landings:
+            return True
+        steep = self._flights.difference(unary_union(self._landings).buffer(LOW_STEPS_M))
+        main = self._main_part(self._free(LANDING_RADIUS_M, steep))
+        return all(main.distance(landing.centroid) < NEAR_M for landing in self._landings)
+
+    def _free(self, radius_m: float, blocked: BaseGeometry) -> BaseGeometry:
+        """Where the centre of an agent of some radius can be."""
+        things = unary_union([blocked, *(footprint for footprint, _ in self.footprints)])
+        walkable = self.polygon.buffer(-radius_m, join_style="mitre")
+        return walkable.difference(things.buffer(radius_m - 0.02))
+
+    def _main_part(self, free: BaseGeometry) -> Polygon:
+        """The part of free floor at the first entrance, or else the largest; maybe empty."""
+        parts = polygons(free)
+        if not self.entrances:
+            return max(parts, key=lambda part: part.area, default=Polygon())
+        return min(parts, key=lambda part: part.distance(self.entrances[0]), default=Polygon())
 
     def _door_zone(self, opening: Opening) -> Polygon | None:
         """The floor inside this room that an opening needs."""

@@ -35,7 +35,7 @@ MARGIN_M = 0.4
 MAX_SIDE_INCHES = 11.0
 INCHES_PER_METRE = 0.8
 POINT_M = 0.06
-"""A mapped point is drawn as a square of this size: a voxel and a little more, so that none gape."""
+"""A mapped point is drawn as a square of this size: a voxel and a little more: none gape."""
 NODE_LABEL_M = (0.085, 0.26)
 """Width of a character and height of a line of a node's label on the map."""
 NODE_GAP_M = 0.12
@@ -130,7 +130,7 @@ def _draw_grid(
 
 
 def _draw_objects(axes: Axes, picture: TopDownPicture, point_inches: float) -> None:
-    """The mapped objects in their own mean colour, the target on top in red; names of large ones."""
+    """The mapped objects in their own mean colour, the target on top, red; large ones named."""
     view = picture.map_view
     area = (72.0 * point_inches) ** 2  # Matplotlib's markers: square points, 72 to the inch
     for category in sorted(view.objects, key=lambda name: (name == picture.target, name)):
@@ -143,7 +143,7 @@ def _draw_objects(axes: Axes, picture: TopDownPicture, point_inches: float) -> N
         axes.scatter(x, y, s=area, c=colors, marker="s", lw=0)
     for category, center in landmarks(view):
         axes.annotate(
-            readable(category), center, ha="center", va="center", fontsize=6.5, color=INK,
+            readable(category), tuple(center), ha="center", va="center", fontsize=6.5, color=INK,
             style="italic", path_effects=[withStroke(linewidth=2.2, foreground="white")], zorder=3,
         )  # fmt: skip
 
@@ -208,7 +208,8 @@ def _draw_memory(axes: Axes, picture: TopDownPicture, metres_per_label: float) -
     sizes = [(width * len(label), height) for label in labels.values()]
     nodes = np.array([node.position for node in here.values()]).reshape(-1, 2)
     named = np.array([center for _, center in landmarks(picture.map_view)]).reshape(-1, 2)
-    busy = np.concatenate([picture.trajectory[:, :2], nodes.repeat(20, axis=0), named.repeat(20, 0)])
+    taken = np.concatenate([nodes, named]).repeat(20, axis=0)
+    busy = np.concatenate([picture.trajectory[:, :2], taken])
     centers = place_labels(anchors, sizes, busy, NODE_GAP_M * metres_per_label)
     for label, center in zip(labels.values(), centers, strict=True):
         axes.annotate(
