@@ -32,5 +32,5 @@ with tempfile.TemporaryDirectory() as folder:
     path.write_text(json.dumps(HOUSE))
     config = run_config("default", env=HouseEnvConfig(width=320, height=240))
     runner = SceneRunner(load_scene(str(path)), config)
-    result = runner.run(runner.episodes(1)[0])
+    result = runner.run(runner.episode(0))
 print(f"found: {result.succeeded}, SPL {result.spl:.2f}, {result.steps} steps")

@@ -30,6 +30,12 @@ def temporary_beside(path: Path) -> Path:
     return path.with_name(f".{path.stem}.{os.getpid()}.tmp{path.suffix}")
 
 
+def discard_temporaries(folder: Path) -> None:
+    """Remove what a kill in the middle of `write_atomic` left; nobody may be writing there."""
+    for path in folder.glob(".*.tmp*"):
+        path.unlink(missing_ok=True)
+
+
 def append_line(path: Path, line: str) -> None:
     """Append one line and flush it to the disk, so that a kill loses at most the next one."""
     with path.open("a", encoding="utf-8") as stream:

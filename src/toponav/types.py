@@ -94,6 +94,16 @@ class Detections:
     def __len__(self) -> int:
         return len(self.labels)
 
+    def where(self, kept: NDArray[np.bool_]) -> Detections:
+        """Those of the N detections for which (N,) `kept` holds."""
+        rows = np.flatnonzero(kept)
+        return Detections(
+            tuple(self.labels[row] for row in rows),
+            self.scores[rows],
+            self.boxes[rows],
+            self.masks[rows],
+        )
+
     @classmethod
     def empty(cls, height: int, width: int) -> Detections:
         """No detections in an image of that size."""

@@ -61,7 +61,7 @@ def test_scores_are_rates_and_a_wider_radius_never_fails_first(
 def test_a_line_holds_the_whole_record() -> None:
     line = to_json(FOUND)
     assert "\n" not in line
-    assert json.loads(line) == asdict(FOUND)
+    assert json.loads(line) == json_ready(asdict(FOUND))
     assert json.loads(line)["vlm"] == {
         "calls": 0, "failures": 0, "prompt_tokens": 0, "completion_tokens": 0, "cost_usd": 0.0,
     }  # fmt: skip

@@ -191,20 +191,26 @@ def test_listeners_are_closed_also_when_the_episode_cannot_start() -> None:
 
 def test_episodes_are_the_scene_s_own_and_then_drawn_from_the_seed() -> None:
     own = small_scene().episodes
-    assert tuple(s.episode for s in small().episodes(None)) == own
-    assert tuple(s.episode for s in small().episodes(1)) == own[:1]
-    five = small().episodes(5)
+    five = [small().episode(index) for index in range(5)]
     assert tuple(s.episode for s in five[:2]) == own
-    assert five == small().episodes(5) == small().episodes(7)[:5]
     assert [s.index for s in five] == [0, 1, 2, 3, 4]
     assert len({s.seed for s in five}) == 5
-    other = SceneRunner(small_scene(), small().config.model_copy(update={"seed": 1})).episodes(5)
-    assert [s.episode for s in other[2:]] != [s.episode for s in five[2:]]
+    assert len({s.episode.start for s in five}) == 5
+    other = SceneRunner(small_scene(), small().config.model_copy(update={"seed": 1}))
+    assert all(other.episode(k).episode == five[k].episode for k in (0, 1))
+    assert all(other.episode(k).episode != five[k].episode for k in (2, 3, 4))
+
+
+def test_an_episode_is_the_same_whatever_was_drawn_or_run_before() -> None:
+    fresh = SceneRunner(small_scene(), small().config)
+    assert fresh.episode(6) == small().episode(6)
+    small().run(spec())
+    assert fresh.episode(3) == small().episode(3)
 
 
 def test_drawn_episodes_can_be_run() -> None:
-    for drawn in small().episodes(6)[2:]:
-        small().check(drawn)
+    for index in range(2, 6):
+        small().check(small().episode(index))
         assert math.isfinite(small().env.oracle.distance_to_goal())
 
 

@@ -39,7 +39,6 @@ class Eval:
     def run(self) -> None:
         """Run and summarise."""
         from toponav.cli.console import Output
-        from toponav.cli.options import fresh_folder
         from toponav.cli.progress import RunDisplay
         from toponav.cli.resolve import resolve_config, resolve_request
         from toponav.evaluation.evaluate import evaluate, summary_line
@@ -48,7 +47,5 @@ class Eval:
         request = resolve_request(self.source, self.runs, self.shard)
         output = Output(self.json)
         with RunDisplay(output) as display:
-            summary = evaluate(
-                request, config, fresh_folder(self.out), self.resume, display.on_progress
-            )
+            summary = evaluate(request, config, self.out, self.resume, display.on_progress)
         output.result(summary_line(summary), summary)

@@ -14,16 +14,22 @@ import tyro
 
 from toponav.cli.bench import Bench
 from toponav.cli.demo import Demo
+from toponav.cli.episodes import Episodes
 from toponav.cli.eval import Eval
 from toponav.cli.map import Map
 from toponav.cli.run import Run
 from toponav.cli.scenes import Scenes
+from toponav.cli.study import Study
+from toponav.cli.table import Table
 from toponav.errors import InputError, TopoNavError
 
 Command = (
     Annotated[Demo, tyro.conf.subcommand("demo")]
     | Annotated[Run, tyro.conf.subcommand("run")]
     | Annotated[Eval, tyro.conf.subcommand("eval")]
+    | Annotated[Study, tyro.conf.subcommand("study")]
+    | Annotated[Table, tyro.conf.subcommand("table")]
+    | Annotated[Episodes, tyro.conf.subcommand("episodes")]
     | Annotated[Map, tyro.conf.subcommand("map")]
     | Annotated[Scenes, tyro.conf.subcommand("scenes")]
     | Annotated[Bench, tyro.conf.subcommand("bench")]

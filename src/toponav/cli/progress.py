@@ -11,7 +11,6 @@ from toponav.categories import readable
 from toponav.cli.console import Output
 from toponav.evaluation.evaluate import RunProgress
 from toponav.evaluation.funnel import ERROR
-from toponav.evaluation.metrics import finite_mean
 from toponav.evaluation.results import EpisodeResult
 
 
@@ -27,6 +26,7 @@ class RunDisplay:
             console=output.progress, disable=not output.progress.is_terminal,
         )  # fmt: skip
         self._task = self._bar.add_task(name, figures="", total=None)
+        self._figures = RunFigures()
 
     def __enter__(self) -> Self:
         self._bar.start()
@@ -42,7 +42,7 @@ class RunDisplay:
 
     def on_progress(self, progress: RunProgress) -> None:
         """Move the bar; without a terminal, or on an error, say the episode in a line."""
-        figures = run_figures(progress.results)
+        figures = self._figures.after(progress.results)
         self._bar.update(self._task, completed=progress.done, total=progress.total, figures=figures)
         if progress.outcome is None:
             if progress.done:
@@ -55,14 +55,26 @@ class RunDisplay:
             )
 
 
-def run_figures(results: list[EpisodeResult]) -> str:
-    """SR at the benchmark's radius, SPL and errors so far."""
-    if not results:
-        return ""
-    rate = sum(result.succeeded for result in results) / len(results)
-    spl, _ = finite_mean([result.spl for result in results])
-    errors = sum(result.failure == ERROR for result in results)
-    return f"SR {100 * rate:.1f} % SPL {spl:.3f}" + (f" errors {errors}" if errors else "")
+class RunFigures:
+    """SR at the benchmark's radius, SPL and errors so far; looks at every result once."""
+
+    def __init__(self) -> None:
+        """Nothing is seen yet."""
+        self._seen = self._found = self._errors = 0
+        self._spl = 0.0
+
+    def after(self, results: list[EpisodeResult]) -> str:
+        """The figures in a few words; `results` are those of the last call and the new ones."""
+        for result in results[self._seen :]:
+            self._found += result.succeeded
+            self._errors += result.failure == ERROR
+            self._spl += result.spl
+        self._seen = len(results)
+        if not results:
+            return ""
+        rate, spl = self._found / len(results), self._spl / len(results)
+        errors = f" errors {self._errors}" if self._errors else ""
+        return f"SR {100 * rate:.1f} % SPL {spl:.3f}{errors}"
 
 
 def episode_line(result: EpisodeResult) -> str:

@@ -20,8 +20,8 @@ class Study:
     """Run a study, such as one of the paper's tables, and print its table."""
 
     name: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="NAME")]
-    """goal-detection, node-information, categories, affordances, panorama, merge-distance or
-    methods."""
+    """goal-detection (Table II), node-information (Table III), categories (Fig. 5), affordances,
+    panorama, merge-distance or methods."""
 
     source: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="SOURCE")]
     """As for `toponav eval`."""
@@ -36,8 +36,26 @@ class Study:
     agent: Annotated[AgentOptions, tyro.conf.arg(name="")] = field(default_factory=_paper)
     """What the variants change."""
 
+    plot: Path | None = None
+    """Draw the success rates of the study's groups into this .png, .svg or .pdf."""
+
     json: JsonFlag = False
-    """Print the table as one JSON object on stdout."""
+    """Print all figures as one JSON object on stdout."""
 
     def run(self) -> None:
         """Run the variants and compare them with the first."""
+        from toponav.cli.console import Output
+        from toponav.cli.progress import RunDisplay
+        from toponav.cli.resolve import resolve_config, resolve_request
+        from toponav.cli.table import Table
+        from toponav.evaluation.studies import run_study, study
+
+        chosen = study(self.name)
+        config = resolve_config(self.agent)
+        request = resolve_request(self.source, self.runs)
+        output = Output(self.json)
+        output.say(chosen.title)
+        folders = run_study(
+            chosen, request, config, self.out, lambda variant: RunDisplay(output, variant.name)
+        )
+        Table(runs=tuple(folders), by=chosen.by, plot=self.plot, json=self.json).run()

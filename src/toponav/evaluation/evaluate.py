@@ -75,20 +75,33 @@ def evaluate(
     make_worker = partial(EpisodeWorker, source, config, recorded)
     run = RunFolder(folder)
     with run.opened(request, config, resume):
-        results = _run(run, tasks, make_worker, partial(_crew, make_worker, request), on_progress)
+        results = run_tasks(
+            run, tasks, make_worker, partial(_crew, make_worker, request), on_progress
+        )
     summary = _summary(request.source, config, tasks, results)
     run.conclude(summary)
     return summary
 
 
-def _run(
+def run_tasks(
     run: RunFolder,
     tasks: list[Task],
     make_worker: WorkerFactory,
     make_crew: Callable[[], Crew],
     on_progress: OnProgress,
 ) -> list[EpisodeResult]:
-    """Run what is left; returns all results, those of a resumed run included."""
+    """Run what is left and write it down.
+
+    Args:
+        run: The run's folder, opened.
+        tasks: All tasks of the run.
+        make_worker: Makes the worker that words the result of an episode that is given up.
+        make_crew: Makes the workers; they are let go at the end. Not called if nothing is left.
+        on_progress: Told at the start and after every episode.
+
+    Returns:
+        All results, those of the run that is resumed included.
+    """
     results = run.journal.results()
     keys = {result.key for result in results}
     left = [task for task in tasks if task.key not in keys]

@@ -71,7 +71,7 @@ class Journal:
         """Write one result and flush it to the disk, so that a kill loses at most the next one.
 
         Raises:
-            OSError: It cannot be written; the file is as it was before.
+            OSError: It cannot be written; it names the file, which is as it was before.
         """
         line = memoryview((to_json(result) + "\n").encode())
         with self.path.open("ab", buffering=0) as stream:
@@ -80,9 +80,9 @@ class Journal:
                 while line:  # a full disk takes a part before it refuses
                     line = line[stream.write(line) :]
                 os.fsync(stream.fileno())
-            except OSError:
+            except OSError as error:
                 os.truncate(self.path, end)
-                raise
+                raise OSError(error.errno, error.strerror, str(self.path)) from error
 
     @contextmanager
     def locked(self) -> Iterator[None]:

@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 from typing import Any
 
+from toponav.files import discard_temporaries
 from toponav.mapping.view import MapView
 from toponav.memory.graph import TopologicalMemory
 from toponav.memory.serialization import save_memory
@@ -33,10 +34,15 @@ class EpisodeRecorder:
         """Start new files in `folder`, replacing those of an earlier episode."""
         folder.mkdir(parents=True, exist_ok=True)
         self._memory = folder / "memory.json"
-        self._memory.unlink(missing_ok=True)
+        trajectory, decisions = folder / "trajectory.jsonl", folder / "decisions.jsonl"
+        # Removed, not emptied: a worker that outlives its killed run for a moment may have them
+        # open, and must not write between the lines of this one.
+        for path in (trajectory, decisions, self._memory):
+            path.unlink(missing_ok=True)
+        discard_temporaries(folder)
         # Buffered by line: what happened before a kill is there, without a disk access a step.
-        self._trajectory = (folder / "trajectory.jsonl").open("w", encoding="utf-8", buffering=1)
-        self._decisions = (folder / "decisions.jsonl").open("w", encoding="utf-8", buffering=1)
+        self._trajectory = trajectory.open("w", encoding="utf-8", buffering=1)
+        self._decisions = decisions.open("w", encoding="utf-8", buffering=1)
 
     def on_step(self, observation: Observation, action: Action) -> None:
         """Append one line to `trajectory.jsonl`."""

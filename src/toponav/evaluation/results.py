@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -15,12 +15,11 @@ from toponav.evaluation.funnel import SearchTrace
 from toponav.evaluation.metrics import (
     BENCHMARK_RADIUS_M,
     SUCCESS_RADII_M,
-    finite_mean,
     soft_spl,
     spl,
     success,
-    wilson_interval,
 )
+from toponav.evaluation.summary import summarize as summarize  # noqa: PLC0414  # known here too
 
 
 @dataclass(frozen=True)
@@ -164,24 +163,3 @@ def json_ready(value: Any) -> Any:
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value
-
-
-def summarize(results: Iterable[EpisodeResult]) -> dict[str, Any]:
-    """The table row of a run: n, SR by radius with Wilson intervals, SPL, SoftSPL, DTG."""
-    episodes = list(results)
-    n = len(episodes)
-    rates = {}
-    for radius in map(str, SUCCESS_RADII_M):
-        hits = sum(episode.success[radius] for episode in episodes)
-        low, high = wilson_interval(hits, n)
-        rates[radius] = {"rate": hits / n if n else None, "interval": [low, high]}
-    dtg, unreachable = finite_mean([episode.distance_to_goal for episode in episodes])
-    return {
-        "n": n,
-        "sr": rates,
-        "spl": finite_mean([episode.spl for episode in episodes])[0],
-        "soft_spl": finite_mean([episode.soft_spl for episode in episodes])[0],
-        "dtg": dtg,
-        "unreachable": unreachable,
-        "steps": finite_mean([float(episode.steps) for episode in episodes])[0],
-    }

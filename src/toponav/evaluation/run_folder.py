@@ -15,20 +15,18 @@ from toponav.evaluation.crew import Outcome
 from toponav.evaluation.journal import Journal
 from toponav.evaluation.results import json_ready
 from toponav.evaluation.run_config import RunConfig
-from toponav.files import append_line, write_atomic
+from toponav.files import append_line, discard_temporaries, write_atomic
 
 CONFIG_FILE, RUN_FILE, SUMMARY_FILE = "config.json", "run.json", "summary.json"
 ERRORS_FILE = "errors.log"
 """Tracebacks of episodes that failed by a defect; absent without any."""
 
-FREE_TO_CHANGE = frozenset(
-    {"episodes", "labels", "data", "shard", "workers", "ray_address", "record"}
-)
+FREE_TO_CHANGE = frozenset({"episodes", "data", "shard", "workers", "ray_address", "record"})
 """What of a request may differ when a run is resumed, since no result depends on it."""
 
 
 class RunRequest(ConfigModel):
-    """What to run, and by how many; nothing here changes a result."""
+    """What to run, and by how many; no episode's result depends on who runs it."""
 
     source: str
     """Scene, folder of scenes, generator range or episode file."""
@@ -59,7 +57,7 @@ class RunFolder:
     """Configuration, request, results and summary of one run, on the disk."""
 
     def __init__(self, folder: Path) -> None:
-        """Use `folder`, which exists."""
+        """Use `folder`; it is made when the run begins."""
         self._folder = folder
         self.journal = Journal(folder)
 
@@ -76,6 +74,12 @@ class RunFolder:
             InputError: The folder holds the episodes of a run that is not to be resumed, or of
                 another one, or is being written to.
         """
+        try:
+            self._folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(
+                f"cannot make the output folder {self._folder}: {error.strerror}"
+            ) from error
         begun = self.journal.begun()
         if begun and not resume:
             raise InputError(
@@ -83,6 +87,7 @@ class RunFolder:
                 "--out"
             )
         with self.journal.locked():
+            discard_temporaries(self._folder)
             if begun:
                 self._check_same(CONFIG_FILE, config, free=frozenset())
                 self._check_same(RUN_FILE, request, free=FREE_TO_CHANGE)
@@ -114,7 +119,7 @@ class RunFolder:
             ) from error
         changed = [
             f"{key} was {before!r}, is {after!r}"
-            for key, before, after in _differences(old, json.loads(config_json(new)))
+            for key, before, after in differences(old, json.loads(config_json(new)))
             if key not in free
         ]
         if changed:
@@ -124,12 +129,12 @@ class RunFolder:
             )
 
 
-def _differences(old: Any, new: Any, key: str = "") -> list[tuple[str, Any, Any]]:
+def differences(old: Any, new: Any, key: str = "") -> list[tuple[str, Any, Any]]:
     """Dotted key, old and new value of everything that differs."""
     if isinstance(old, dict) and isinstance(new, dict):
         return [
             found
             for name in sorted(old.keys() | new.keys())
-            for found in _differences(old.get(name), new.get(name), f"{key}.{name}".strip("."))
+            for found in differences(old.get(name), new.get(name), f"{key}.{name}".strip("."))
         ]
     return [] if old == new else [(key, old, new)]

@@ -3,18 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Protocol
 
 from toponav.config import with_overrides
 from toponav.errors import InputError
-from toponav.evaluation.evaluate import OnProgress, evaluate
+from toponav.evaluation.evaluate import RunProgress, evaluate
 from toponav.evaluation.run_config import RunConfig
 from toponav.evaluation.run_folder import RunRequest
+from toponav.evaluation.tables.groups import GroupKind
 from toponav.methods import methods
 
 BASE = "toponav"
 """Name of the run that is not changed; studies in one folder share it."""
+
+
+class Watcher(Protocol):
+    """Follows a run."""
+
+    def on_progress(self, progress: RunProgress) -> None:
+        """Told at the start and after every episode."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -44,12 +55,12 @@ class Study:
     Attributes:
         title: One line for people; names the paper's table.
         variants: The runs; the others are compared with the first.
-        by: What the table groups by, "" for the whole runs.
+        by: What the table groups by; None for the whole runs.
     """
 
     title: str
     variants: tuple[Variant, ...]
-    by: str = ""
+    by: GroupKind | None = None
 
 
 def _set(name: str, **overrides: str) -> Variant:
@@ -136,7 +147,7 @@ def run_study(
     request: RunRequest,
     config: RunConfig,
     folder: Path,
-    watched: Callable[[Variant], OnProgress],
+    display: Callable[[Variant], AbstractContextManager[Watcher]],
 ) -> list[Path]:
     """Run every variant that is not done yet, each into a folder of its own.
 
@@ -145,7 +156,7 @@ def run_study(
         request: On which episodes.
         config: What the variants change.
         folder: Gets a folder a variant; what an earlier, interrupted study did is kept.
-        watched: Who is told of a variant's progress.
+        display: Makes what follows a variant while it runs.
 
     Returns:
         The variants' folders, in order.
@@ -156,6 +167,6 @@ def run_study(
     folders = [folder / variant.name for variant in chosen.variants]
     configs = [variant.applied_to(config) for variant in chosen.variants]
     for variant, own, where in zip(chosen.variants, configs, folders, strict=True):
-        where.mkdir(parents=True, exist_ok=True)
-        evaluate(request, own, where, resume=True, on_progress=watched(variant))
+        with display(variant) as shown:
+            evaluate(request, own, where, resume=True, on_progress=shown.on_progress)
     return folders

@@ -1,0 +1,1 @@
+"""Tables of finished runs: loaded, grouped, compared episode by episode, and rendered."""
