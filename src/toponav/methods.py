@@ -5,8 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from toponav.baselines.cow import CowAgent
+from toponav.baselines.esc import EscAgent
 from toponav.baselines.frontier import FrontierAgent
+from toponav.baselines.l3mvn import L3mvnAgent
 from toponav.baselines.random_walk import RandomAgent
+from toponav.baselines.sg_nav import SgNavAgent
+from toponav.baselines.tour import TourAgent
+from toponav.baselines.trihelper import TriHelperAgent
 from toponav.config import NavigatorConfig
 from toponav.navigator import Navigator
 from toponav.perception.base import Detector
@@ -53,3 +59,35 @@ def _frontier(context: AgentContext) -> Agent:
 @methods.register("random")
 def _random(context: AgentContext) -> Agent:
     return RandomAgent(context.detector, context.config, context.seed, context.listener)
+
+
+@methods.register("tour")
+def _tour(context: AgentContext) -> Agent:
+    return TourAgent(context.detector, context.config, context.listener)
+
+
+@methods.register("cow")
+def _cow(context: AgentContext) -> Agent:
+    return CowAgent(context.detector, context.config, context.listener)
+
+
+@methods.register("esc")
+def _esc(context: AgentContext) -> Agent:
+    return EscAgent(context.detector, context.reasoner, context.config, context.listener)
+
+
+@methods.register("l3mvn")
+def _l3mvn(context: AgentContext) -> Agent:
+    return L3mvnAgent(context.detector, context.reasoner, context.config, context.listener)
+
+
+@methods.register("sg_nav")
+def _sg_nav(context: AgentContext) -> Agent:
+    return SgNavAgent(context.detector, context.reasoner, context.config, context.listener)
+
+
+@methods.register("trihelper")
+def _trihelper(context: AgentContext) -> Agent:
+    return TriHelperAgent(
+        context.detector, context.reasoner, context.config, context.seed, context.listener
+    )

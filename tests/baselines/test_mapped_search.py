@@ -2,43 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
 import pytest
+from searches import Factory, Log, search
 
-from small_house import small_config, small_runner
+from small_house import small_config
 from toponav.baselines.base import MappedSearch
 from toponav.baselines.frontier import FrontierAgent
 from toponav.baselines.random_walk import MAX_STRAIGHT_STEPS, RandomAgent
 from toponav.control.locomotion import Locomotion
 from toponav.envs.simulator import HouseEnv
-from toponav.mapping.view import MapView
-from toponav.memory.graph import TopologicalMemory
 from toponav.perception import OracleDetector
 from toponav.policy.affordances import Phase
-from toponav.policy.decision import Decision
-from toponav.types import Action, Observation
-
-Factory = Callable[[HouseEnv, "Log"], MappedSearch]
-
-
-@dataclass
-class Log:
-    """What a baseline did; a decision listener."""
-
-    actions: list[Action] = field(default_factory=list)
-    observations: list[Observation] = field(default_factory=list)
-    decisions: list[Decision] = field(default_factory=list)
-    distance_to_goal: float = np.inf
-
-    def on_decision(self, decision: Decision) -> None:
-        self.decisions.append(decision)
-
-    def on_close(self, map_view: MapView | None, memory: TopologicalMemory | None) -> None:
-        assert memory is None
+from toponav.types import Action
 
 
 def frontier(env: HouseEnv, log: Log) -> MappedSearch:
@@ -53,32 +31,6 @@ def wanderer(seed: int) -> Factory:
 
 IN_SIGHT_OF_A_SOFA = (2.16, 4.75, 0.0, 1.05)
 """A start pose from which a sofa is well seen, but too far away to stop."""
-
-
-@cache
-def small_env() -> HouseEnv:
-    return small_runner(max_steps=10_000).env
-
-
-def search(
-    build: Factory,
-    target: str = "toilet",
-    goal: str | None = None,
-    max_steps: int = 150,
-    start: tuple[float, float, float, float] | None = None,
-) -> Log:
-    """Look for `goal`, by default the target, in the small house."""
-    env, log = small_env(), Log()
-    agent = build(env, log)
-    env.reset(seed=0, options={"target": target, "start": start})
-    agent.reset(goal or target)
-    while len(log.actions) < max_steps and Action.STOP not in log.actions:
-        log.observations.append(env.observe())
-        log.actions.append(agent.act(env.observe()))
-        env.step(int(log.actions[-1]))
-    log.distance_to_goal = env.oracle.distance_to_goal()
-    agent.close()
-    return log
 
 
 @cache

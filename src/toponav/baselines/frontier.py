@@ -9,36 +9,31 @@ TopoNav's.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import ClassVar
+
 import numpy as np
+from numpy.typing import NDArray
 
-from toponav.baselines.base import MappedSearch
+from toponav.baselines.frontier_clusters import FrontierCluster
+from toponav.baselines.frontier_search import FrontierSearch
+from toponav.control.planner import CostField
 from toponav.mapping.view import MapView
-from toponav.policy.affordances import Phase
-from toponav.types import Action, Observation
+from toponav.types import Observation
 
 
-class FrontierAgent(MappedSearch):
+class FrontierAgent(FrontierSearch):
     """Goes to the nearest frontier, turns once round, and goes on."""
 
-    def reset(self, goal: str) -> None:
-        """Forget the last episode; the search starts with a full turn."""
-        super().reset(goal)
-        self._turns_left = self._full_turn
+    arrival_turn_deg: ClassVar[float] = 360.0
 
-    @property
-    def _full_turn(self) -> int:
-        return round(360.0 / self._config.locomotion.follower.turn_deg)
-
-    def _explore(self, observation: Observation, view: MapView) -> Action:
-        """Finish the turn on the spot, then set out for the nearest frontier; stop without one."""
-        if self._turns_left > 0:
-            self._turns_left -= 1
-            return Action.TURN_LEFT
-        reach = self._locomotion.reach(observation, view.grid)
-        cost = reach.at(view.frontiers[:, :2])
-        cost[~self._barren.admissible(view.frontiers, self._decisions)] = np.inf
-        if not np.isfinite(cost).any():
-            return Action.STOP
-        self._set_out(view.frontiers[np.argmin(cost)], Phase.EXPLORATION, observation, view)
-        self._turns_left = self._full_turn
-        return self._locomotion.next_action(observation, view.grid) or Action.TURN_LEFT
+    def _choose(
+        self,
+        clusters: Sequence[FrontierCluster],
+        reach: CostField,
+        observation: Observation,
+        view: MapView,
+    ) -> NDArray[np.float64]:
+        """The cell that is cheapest to walk to."""
+        del reach, observation, view
+        return min(clusters, key=lambda cluster: cluster.path_cost).nearest

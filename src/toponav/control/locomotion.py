@@ -71,8 +71,12 @@ class Locomotion:
 
     def go_to(self, goals: NDArray[np.floating]) -> None:
         """Walk to the nearest of (2 or 3,) or (N, 2 or 3) positions from now on."""
-        self._goals = np.atleast_2d(np.asarray(goals, dtype=np.float64))[:, :2]
         self._monitor.restart()
+        self.redirect(goals)
+
+    def redirect(self, goals: NDArray[np.floating]) -> None:
+        """Walk to other goals; steps without progress count on, so that it cannot go on forever."""
+        self._goals = np.atleast_2d(np.asarray(goals, dtype=np.float64))[:, :2]
         self.progress = Progress.WALKING
 
     def path(self, observation: Observation, grid: OccupancyGrid) -> NDArray[np.float64]:

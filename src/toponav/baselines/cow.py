@@ -1,0 +1,78 @@
+"""CoW: spin, explore the frontiers, exploit the first sighting.
+
+Gadre, Wortsman, Ilharco, Schmidt and Song 2023, "CoWs on Pasture: Baselines and Benchmarks for
+Language-Driven Zero-Shot Object Navigation".
+
+Kept: a full turn first; frontier cells linked over 1.5 cells (which is 8-connected); a cluster's
+goal is its cell nearest to the mean; the nearest goal by straight line first; a single detection of
+0.2 or more at the centre of its box is the target, for good; stop within 1.0 m of it. No language
+model is asked. Changed: the shared grid of 0.1 m and its least frontier of 4 cells instead of 0.125
+m and 3; only cells that can be walked to; the shared planner instead of its A*; once the sighting
+cannot be approached the search goes on, where CoW is stuck.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from toponav.baselines.frontier_clusters import FrontierCluster
+from toponav.baselines.frontier_search import FrontierSearch
+from toponav.control.planner import CostField
+from toponav.mapping.view import MapView
+from toponav.policy.goal import GoalConfig
+from toponav.types import Detections, Observation
+
+GOAL_SCORE = 0.2
+"""Detections from this score on are the target."""
+
+STOP_M = 1.0
+"""The agent stops within this distance of the sighting, metres."""
+
+
+class CowAgent(FrontierSearch):
+    """Goes to the frontier nearest as the crow flies, and to the first sighting."""
+
+    def _goal_config(self, shared: GoalConfig) -> GoalConfig:
+        """One point is a target."""
+        return shared.model_copy(
+            update={
+                "min_points": 1,
+                "dense_neighbors": 0,
+                "stop_distance_m": STOP_M,
+                "farthest_stop_m": max(STOP_M, shared.farthest_stop_m),
+            }
+        )
+
+    def _accepted(self, detections: Detections) -> Detections:
+        """The confident detections, each reduced to the pixel at the centre of its box."""
+        sure = detections.where(detections.scores >= GOAL_SCORE)
+        centres = (0.5 * (sure.boxes[:, :2] + sure.boxes[:, 2:])).astype(np.int64)
+        masks = np.zeros_like(sure.masks)
+        masks[np.arange(len(sure)), centres[:, 1], centres[:, 0]] = True
+        return replace(sure, masks=masks)
+
+    def _choose(
+        self,
+        clusters: Sequence[FrontierCluster],
+        reach: CostField,
+        observation: Observation,
+        view: MapView,
+    ) -> NDArray[np.float64]:
+        """The nearest of the clusters' middle cells, by straight line."""
+        del reach
+        here = observation.world_from_base.translation[:2]
+        middles = np.stack([_middle(cluster) for cluster in clusters])
+        nearest = middles[np.argmin(np.hypot(*(middles - here).T))]
+        return np.append(nearest, view.floor_z)
+
+
+def _middle(cluster: FrontierCluster) -> NDArray[np.float64]:
+    """(2,) the cell nearest to the cluster's mean of those that can be walked to."""
+    away = np.hypot(*(cluster.cells - cluster.centroid).T)
+    away[~cluster.reachable] = np.inf
+    middle: NDArray[np.float64] = cluster.cells[np.argmin(away)]
+    return middle

@@ -1,0 +1,67 @@
+"""The frontiers that an agent can walk to, one a cluster: the candidates of most methods."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from toponav.control.planner import CostField
+from toponav.mapping.view import MapView
+
+
+@dataclass(frozen=True, eq=False)
+class FrontierCluster:
+    """Frontier cells that are 8-connected, at least one of which can be walked to.
+
+    Attributes:
+        cells: (N, 2) float64 centres of all its cells in raster order, world frame, metres.
+        reachable: (N,) bool, cells that can be walked to and are admissible; never none.
+        nearest: (3,) the cell that is cheapest to walk to, at floor height: its waypoint.
+        path_cost: Cost of walking there: metres, weighted where it is narrow.
+    """
+
+    cells: NDArray[np.float64]
+    reachable: NDArray[np.bool_]
+    nearest: NDArray[np.float64]
+    path_cost: float
+
+    @property
+    def size(self) -> int:
+        """N."""
+        return len(self.cells)
+
+    @property
+    def centroid(self) -> NDArray[np.float64]:
+        """(2,) mean of the cells; it may lie off the frontier."""
+        mean: NDArray[np.float64] = self.cells.mean(axis=0)
+        return mean
+
+
+def frontier_clusters(
+    view: MapView, reach: CostField, admissible: NDArray[np.bool_] | None = None
+) -> tuple[FrontierCluster, ...]:
+    """The clusters with a cell that can be walked to, in the map's order.
+
+    Args:
+        view: The map.
+        reach: Cost of walking from the agent to every cell.
+        admissible: (F,) which of `view.frontiers` may be walked to; by default all.
+    """
+    cost = reach.at(view.frontiers[:, :2])
+    if admissible is not None:
+        cost = np.where(admissible, cost, np.inf)
+    clusters = []
+    for label in np.unique(view.frontier_labels[np.isfinite(cost)]):
+        rows = np.flatnonzero(view.frontier_labels == label)
+        best = rows[np.argmin(cost[rows])]
+        clusters.append(
+            FrontierCluster(
+                cells=view.frontiers[rows, :2],
+                reachable=np.isfinite(cost[rows]),
+                nearest=view.frontiers[best],
+                path_cost=float(cost[best]),
+            )
+        )
+    return tuple(clusters)
