@@ -132,15 +132,22 @@ class Instance:
 
 @dataclass(frozen=True, eq=False)
 class SemanticFrame:
-    """Ground-truth labels of one image.
+    """Ground truth of one image.
 
     Attributes:
         instance_ids: (H, W) int32 indices into `instances`; -1 where nothing was hit.
         instances: All instances of the scene, in id order.
+        depth: (H, W) float32, true z coordinates in the camera frame, metres, at any range; 0 where
+            nothing was hit.
+        world_from_camera: True pose of the optical camera frame.
+        intrinsics: The camera.
     """
 
     instance_ids: NDArray[np.int32]
     instances: tuple[Instance, ...]
+    depth: NDArray[np.float32]
+    world_from_camera: Pose
+    intrinsics: Intrinsics
 
 
 class SemanticSource(Protocol):

@@ -17,6 +17,7 @@ from toponav.methods import AgentContext, methods
 from toponav.perception import OracleDetector
 from toponav.reasoning import PriorReasoner
 from toponav.types import Action, Agent, Observation, SemanticFrame, SemanticSource
+from true_frames import true_frame
 
 TARGET, OTHER_TARGET = "toilet", "sofa"
 every_method = pytest.mark.parametrize("name", methods.names())
@@ -70,7 +71,7 @@ def blank(depth_m: float) -> tuple[Observation, ...]:
 
 def unlabelled(observations: tuple[Observation, ...]) -> Tape:
     ids = np.full(observations[0].depth.shape, -1, np.int32)
-    return Tape(observations, (SemanticFrame(ids, ()),) * len(observations))
+    return Tape(observations, (true_frame(ids),) * len(observations))
 
 
 def build(name: str, labels: SemanticSource, seed: int = 5) -> Agent:

@@ -10,8 +10,9 @@ import pytest
 from small_house import small_runner
 from toponav.categories import DEFAULT_VOCABULARY
 from toponav.envs.simulator import HouseEnv
-from toponav.perception import Detector, detectors
-from toponav.types import Action, Detections, Instance, SemanticFrame
+from toponav.perception import Detector, DetectorContext, PerceptionConfig, detectors
+from toponav.types import Action, Detections
+from true_frames import Truth, true_frame
 
 every_detector = pytest.mark.parametrize("name", detectors.names())
 
@@ -22,7 +23,7 @@ def env() -> HouseEnv:
 
 
 def build(name: str) -> Detector:
-    return detectors.get(name)(env().oracle, 3)
+    return detectors.get(name)(DetectorContext(PerceptionConfig(), env().oracle, 3))
 
 
 def look_around(detector: Detector, vocabulary: tuple[str, ...]) -> list[Detections]:
@@ -78,12 +79,7 @@ def test_labels_are_spelled_as_they_were_asked_for(name: str) -> None:
 
 @every_detector
 def test_an_image_of_one_pixel_will_do(name: str) -> None:
-    class OnePixel:
-        """A single pixel that shows a chair."""
-
-        def semantic_frame(self) -> SemanticFrame:
-            return SemanticFrame(np.zeros((1, 1), np.int32), (Instance(0, "chair_0", "chair"),))
-
-    detector = detectors.get(name)(OnePixel(), 0)
+    chair = Truth(true_frame([[0]], ["chair"]))
+    detector = detectors.get(name)(DetectorContext(PerceptionConfig(), chair))
     detections = detector.detect(np.zeros((1, 1, 3), np.uint8), ("chair",))
     assert detections.masks.shape[1:] == (1, 1)

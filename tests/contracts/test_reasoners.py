@@ -13,7 +13,17 @@ from toponav.categories import DEFAULT_VOCABULARY
 from toponav.memory.graph import TopologicalMemory
 from toponav.memory.snapshot import EdgeView, MemorySnapshot, NodeView
 from toponav.memory.text import TextBudget, describe
-from toponav.reasoning import Guidance, PanoramaView, Query, SeenObject, reasoners
+from toponav.perception.sightings import SightLog
+from toponav.reasoning import (
+    Guidance,
+    PanoramaView,
+    Query,
+    ReasonerContext,
+    ReasoningConfig,
+    SeenObject,
+    reasoners,
+)
+from true_frames import Truth, true_frame
 
 IMAGE = np.zeros((4, 4, 3), np.uint8)
 labels = st.one_of(st.sampled_from(DEFAULT_VOCABULARY), st.text(max_size=12))
@@ -72,7 +82,10 @@ queries = st.builds(
 @given(query=queries)
 @settings(max_examples=60, deadline=None)
 def test_answers_are_valid_and_repeatable(name: str, query: Query) -> None:
-    reasoner = reasoners.get(name)()
+    sights = SightLog(Truth(true_frame([[0]], ["chair"])))
+    context = ReasonerContext(ReasoningConfig(), sights, seed=3)
+    reasoner = reasoners.get(name)(context)
+    sights.look(IMAGE)
     guidance = reasoner.decide(query)
     assert isinstance(guidance, Guidance)
     assert guidance.node_id in {node.id for node in query.memory.nodes}
@@ -80,7 +93,7 @@ def test_answers_are_valid_and_repeatable(name: str, query: Query) -> None:
     assert guidance.room_type.strip()
     assert len(guidance.reason.splitlines()) <= 1
     assert reasoner.decide(query) == guidance
-    assert reasoners.get(name)().decide(query) == guidance
+    assert reasoners.get(name)(context).decide(query) == guidance
 
 
 def test_the_offline_reasoner_is_registered() -> None:

@@ -19,7 +19,7 @@ from toponav.evaluation.rollout import EpisodeSpec, Rollout, roll_out
 from toponav.evaluation.runner import SceneRunner
 from toponav.evaluation.search_watch import CLAIM_STEPS, STUCK_STEPS, SearchWatch
 from toponav.mapping.view import MapView, OccupancyGrid, PointCloud
-from toponav.perception import detectors
+from toponav.perception import OracleDetector
 from toponav.perception.base import Detector
 from toponav.policy.affordances import Phase
 from toponav.policy.decision import Decision
@@ -143,7 +143,7 @@ def watched(
     waypoints: Mapping[int, NDArray[np.float64] | None] | None = None,
 ) -> Rollout:
     """What the watcher tells of an agent with `detector`, by default the oracle."""
-    watch = SearchWatch(detector or detectors.get("oracle")(env().oracle, 0), env().oracle)
+    watch = SearchWatch(detector or OracleDetector(env().oracle), env().oracle)
     agent = Looking(actions, watch, watch.on_decision, waypoints)
     rollout = roll_out(env(), agent, spec, (watch,))
     watch.tell(rollout)
@@ -215,7 +215,7 @@ def test_what_it_takes_for_the_target_beside_it_is_no_detection_of_it() -> None:
 
 
 def test_a_stop_long_after_the_last_sighting_gives_up_and_one_soon_after_claims() -> None:
-    oracle = detectors.get("oracle")(env().oracle, 0)
+    oracle = OracleDetector(env().oracle)
     soon = watched(across(), [*AROUND, STOP], Until(oracle, len(AROUND)))
     assert soon.failure == funnel.WRONG_THING
     turns = [TURN] * (CLAIM_STEPS + len(AROUND))

@@ -8,12 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from toponav.errors import InputError
-from toponav.perception import OracleDetector, detectors
+from toponav.perception import DetectorContext, OracleDetector, PerceptionConfig, detectors
 from toponav.perception.oracle import OracleConfig
-from toponav.types import Instance, SemanticFrame
+from toponav.types import SemanticFrame
+from true_frames import true_frame
 
 CATEGORIES = ("wall", "sofa", "chair", "chair", "stairs")
-INSTANCES = tuple(Instance(k, f"{name}_{k}", name) for k, name in enumerate(CATEGORIES))
 EVERYTHING = OracleConfig(min_pixels_per_megapixel=0.0)
 
 
@@ -21,7 +21,7 @@ class Labels:
     """A source of one fixed frame."""
 
     def __init__(self, ids: np.ndarray) -> None:
-        self._frame = SemanticFrame(np.asarray(ids, np.int32), INSTANCES)
+        self._frame = true_frame(ids, CATEGORIES)
 
     def semantic_frame(self) -> SemanticFrame:
         return self._frame
@@ -45,9 +45,10 @@ def test_masks_and_boxes_are_those_of_the_instances() -> None:
 
 @given(st.integers(0, 2**32 - 1), st.sets(st.sampled_from(["sofa", "chair", "stairs", "bed"])))
 def test_random_frames_agree_with_a_loop_over_instances(seed: int, vocabulary: set[str]) -> None:
-    ids = np.random.default_rng(seed).integers(-1, len(INSTANCES), (5, 7)).astype(np.int32)
+    ids = np.random.default_rng(seed).integers(-1, len(CATEGORIES), (5, 7)).astype(np.int32)
     seen = OracleDetector(Labels(ids), EVERYTHING).detect(image(ids), sorted(vocabulary))
-    expected = [i for i in INSTANCES if i.category in vocabulary and (ids == i.id).any()]
+    instances = true_frame(ids, CATEGORIES).instances
+    expected = [i for i in instances if i.category in vocabulary and (ids == i.id).any()]
     assert seen.labels == tuple(i.category for i in expected)
     assert seen.masks.shape == (len(expected), 5, 7)
     for mask, box, instance in zip(seen.masks, seen.boxes, expected, strict=True):
@@ -96,7 +97,7 @@ def test_labels_of_another_image_are_refused() -> None:
 
 def test_the_registered_oracle_needs_a_source() -> None:
     ids = np.full((4, 4), 1, np.int32)
-    detector = detectors.get("oracle")(Labels(ids), 0)
+    detector = detectors.get("oracle")(DetectorContext(PerceptionConfig(), Labels(ids)))
     assert detector.detect(image(ids), ["sofa"]).labels == ("sofa",)
     with pytest.raises(InputError, match="needs a simulator"):
-        detectors.get("oracle")(None, 0)
+        detectors.get("oracle")(DetectorContext(PerceptionConfig()))

@@ -7,6 +7,8 @@ from pydantic import Field
 from toponav.config import NavigatorConfig, parse_config, preset
 from toponav.config_model import ConfigModel
 from toponav.envs.simulator import HouseEnvConfig
+from toponav.perception import PerceptionConfig
+from toponav.reasoning import ReasoningConfig
 
 
 class RunConfig(ConfigModel):
@@ -26,6 +28,12 @@ class RunConfig(ConfigModel):
 
     seed: int = Field(default=0, ge=0)
     """Seed of the run; episodes derive theirs from it."""
+
+    perception: PerceptionConfig = Field(default_factory=PerceptionConfig)
+    """Every parameter of the detectors."""
+
+    reasoning: ReasoningConfig = Field(default_factory=ReasoningConfig)
+    """Every parameter of the reasoners."""
 
     navigator: NavigatorConfig = Field(default_factory=NavigatorConfig)
     """Every parameter of the agent."""

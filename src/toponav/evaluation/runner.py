@@ -21,9 +21,10 @@ from toponav.evaluation.rollout import (
 from toponav.evaluation.run_config import RunConfig
 from toponav.evaluation.search_watch import SearchWatch
 from toponav.methods import AgentContext, methods
-from toponav.perception import detectors
+from toponav.perception import DetectorContext, detectors
+from toponav.perception.sightings import SightLog, WitnessedDetector
 from toponav.policy.decision import DecisionListener, Listeners
-from toponav.reasoning import reasoners
+from toponav.reasoning import ReasonerContext, reasoners
 from toponav.scenes.mesh import Scene, SceneEpisode
 
 
@@ -98,13 +99,16 @@ class SceneRunner:
         Raises:
             EpisodeError: The target or the start does not fit the scene.
         """
-        detector = self._detector(self.env.oracle, spec.seed)
-        watch = SearchWatch(detector, self.env.oracle)
+        oracle, config = self.env.oracle, self.config
+        sights = SightLog(oracle)
+        detector = self._detector(DetectorContext(config.perception, oracle, spec.seed))
+        reasoner = self._reasoner(ReasonerContext(config.reasoning, sights, spec.seed))
+        watch = SearchWatch(WitnessedDetector(detector, sights), oracle)
         agent = self._method(
             AgentContext(
                 detector=watch,
-                reasoner=self._reasoner(),
-                config=self.config.navigator,
+                reasoner=reasoner,
+                config=config.navigator,
                 seed=spec.seed,
                 listener=Listeners((watch, *listeners)),
             )

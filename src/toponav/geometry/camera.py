@@ -56,6 +56,11 @@ class Intrinsics:
         """K, (3, 3)."""
         return np.array([[self.fx, 0.0, self.cx], [0.0, self.fy, self.cy], [0.0, 0.0, 1.0]])
 
+    def ray(self, u: ArrayLike, v: ArrayLike) -> NDArray[np.float64]:
+        """(..., 3) directions of pixels in the camera frame with z = 1: K^-1 [u v 1]^T."""
+        u, v = np.broadcast_arrays(u, v)
+        return np.stack([(u - self.cx) / self.fx, (v - self.cy) / self.fy, np.ones(u.shape)], -1)
+
     def rays(self) -> NDArray[np.float64]:
         """(height, width, 3) directions in the camera frame with z = 1: K^-1 [u v 1]^T."""
         u = (np.arange(self.width) - self.cx) / self.fx

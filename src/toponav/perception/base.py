@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Protocol
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from toponav.registry import Registry
 from toponav.types import Detections, SemanticSource
+
+if TYPE_CHECKING:
+    from toponav.perception.config import PerceptionConfig
 
 
 class Detector(Protocol):
@@ -25,7 +29,22 @@ class Detector(Protocol):
         ...
 
 
-DetectorFactory = Callable[[SemanticSource | None, int], Detector]
-"""Builds a detector from the ground-truth handle (oracles only) and the episode's seed."""
+@dataclass(frozen=True, eq=False)
+class DetectorContext:
+    """What a detector is built from; it takes what it needs.
+
+    Attributes:
+        config: Every parameter of perception.
+        source: Handle on the ground truth, for detectors that stand for a real one; None where
+            there is none.
+        seed: Of the episode.
+    """
+
+    config: PerceptionConfig
+    source: SemanticSource | None = None
+    seed: int = 0
+
+
+DetectorFactory = Callable[[DetectorContext], Detector]
 
 detectors: Registry[DetectorFactory] = Registry("detector")

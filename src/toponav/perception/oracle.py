@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from toponav.categories import canonical
 from toponav.config_model import ConfigModel
 from toponav.errors import InputError
-from toponav.perception.base import Detector, detectors
+from toponav.perception.base import Detector, DetectorContext, detectors
 from toponav.types import Detections, SemanticSource
 
 
@@ -64,8 +64,7 @@ def _box(mask: NDArray[np.bool_]) -> NDArray[np.float32]:
 
 
 @detectors.register("oracle")
-def _oracle(source: SemanticSource | None, seed: int) -> Detector:
-    del seed
-    if source is None:
+def _oracle(context: DetectorContext) -> Detector:
+    if context.source is None:
         raise InputError("the oracle detector needs a simulator; choose another --detector")
-    return OracleDetector(source)
+    return OracleDetector(context.source, context.config.oracle)

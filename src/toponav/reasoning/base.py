@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,10 @@ from numpy.typing import NDArray
 from toponav.memory.snapshot import MemorySnapshot
 from toponav.reasoning.schema import Guidance
 from toponav.registry import Registry
+
+if TYPE_CHECKING:
+    from toponav.perception.sightings import SightLog
+    from toponav.reasoning.config import ReasoningConfig
 
 
 @dataclass(frozen=True)
@@ -98,5 +102,21 @@ class Reasoner(Protocol):
         ...
 
 
-ReasonerFactory = Callable[[], Reasoner]
+@dataclass(frozen=True, eq=False)
+class ReasonerContext:
+    """What a reasoner is built from; it takes what it needs.
+
+    Attributes:
+        config: Every parameter of the reasoners.
+        sights: What the agent's images truly show, for reasoners that stand for a real model; None
+            where there is no ground truth.
+        seed: Of the episode.
+    """
+
+    config: ReasoningConfig
+    sights: SightLog | None = None
+    seed: int = 0
+
+
+ReasonerFactory = Callable[[ReasonerContext], Reasoner]
 reasoners: Registry[ReasonerFactory] = Registry("reasoner")

@@ -28,7 +28,14 @@ from toponav.reasoning.affinity import (
     target_likelihood,
     target_presence,
 )
-from toponav.reasoning.base import PanoramaView, Query, SeenObject, reasoners
+from toponav.reasoning.base import (
+    PanoramaView,
+    Query,
+    Reasoner,
+    ReasonerContext,
+    SeenObject,
+    reasoners,
+)
 from toponav.reasoning.schema import Guidance
 
 
@@ -295,4 +302,6 @@ def _explain(query: Query, best: PlaceScore, direction: int, room: str) -> str:
     return sentence
 
 
-reasoners.register("prior")(PriorReasoner)
+@reasoners.register("prior")
+def _prior(context: ReasonerContext) -> Reasoner:
+    return PriorReasoner(context.config.prior)

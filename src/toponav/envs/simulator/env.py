@@ -302,10 +302,17 @@ class HouseEnv(gymnasium.Env[dict[str, Any], Any]):
         """Render what the camera sees and report the pose."""
         config = self.config
         world_from_base = self._world_from_base()
-        frame = self._renderer.render(world_from_base @ self._base_from_camera(), self.intrinsics)
+        world_from_camera = world_from_base @ self._base_from_camera()
+        frame = self._renderer.render(world_from_camera, self.intrinsics)
         depth = self._noise.measured(frame.depth)
         reported = self._noise.reported(world_from_base)
-        self._semantic = SemanticFrame(frame.instance_ids, self.scene.mesh.instances)
+        self._semantic = SemanticFrame(
+            frame.instance_ids,
+            self.scene.mesh.instances,
+            frame.depth,
+            world_from_camera,
+            self.intrinsics,
+        )
         self._observation = Observation(
             rgb=frame.rgb,
             depth=clip_range(depth, config.min_depth_m, config.max_depth_m),

@@ -1,0 +1,19 @@
+"""The parameters of every detector: the section `perception` of a run's configuration."""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from toponav.config_model import ConfigModel
+from toponav.perception.noisy import NoisyDetectorConfig
+from toponav.perception.oracle import OracleConfig
+
+
+class PerceptionConfig(ConfigModel):
+    """Each detector reads its own part."""
+
+    oracle: OracleConfig = Field(default_factory=OracleConfig)
+    """True labels."""
+
+    noisy: NoisyDetectorConfig = Field(default_factory=NoisyDetectorConfig)
+    """True labels with a real detector's errors."""
