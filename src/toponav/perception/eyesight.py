@@ -15,10 +15,10 @@ from toponav.perception.sightings import Side
 class Eyesight(ConfigModel):
     """How well things are found, and how much the misses of one thing have in common."""
 
-    largest_recall: float = Field(default=0.95, ge=0.0, le=1.0)
+    largest_recall: float = Field(default=0.92, ge=0.0, le=1.0)
     """Share found of the things that fill the image."""
 
-    half_size: float = Field(default=0.04, gt=0.0)
+    half_size: float = Field(default=0.05, gt=0.0)
     """Relative size at which half as many are: side of the mask as a square, over the image's."""
 
     size_slope: float = Field(default=1.6, gt=0.0)
@@ -27,13 +27,13 @@ class Eyesight(ConfigModel):
     half_range_m: float = Field(default=9.0, gt=0.0)
     """Range at which recall is halved once more, however large the thing, metres."""
 
-    cut_recall: float = Field(default=0.85, ge=0.0, le=1.0)
+    cut_recall: float = Field(default=0.9, ge=0.0, le=1.0)
     """Factor on recall where the image's border cuts a thing off."""
 
-    object_share: float = Field(default=0.45, ge=0.0, le=1.0)
+    object_share: float = Field(default=0.6, ge=0.0, le=1.0)
     """Share of the chance in missing a thing that all its views have in common."""
 
-    side_share: float = Field(default=0.35, ge=0.0, le=1.0)
+    side_share: float = Field(default=0.3, ge=0.0, le=1.0)
     """Share that the views from one side have in common; the rest is the single image's."""
 
     @model_validator(mode="after")

@@ -59,7 +59,7 @@ class NoisyDetectorConfig(ConfigModel):
     forced_confusion: float = Field(default=2.0, ge=0.0)
     """Further factor where the true category was not asked for: the best that is left is said."""
 
-    patch_rate: float = Field(default=3e-4, ge=0.0, le=1.0)
+    patch_rate: float = Field(default=6e-4, ge=0.0, le=1.0)
     """Share of cells of space (0.8 m) that hold a patch which looks like a category; for each
     category on its own."""
 
@@ -72,10 +72,10 @@ class NoisyDetectorConfig(ConfigModel):
     least_score: float = Field(default=0.4, ge=0.0, le=1.0)
     """Detections below are not reported; recall is that of the reported ones."""
 
-    right_score: tuple[float, float] = (0.72, 0.14)
+    right_score: tuple[float, float] = (0.62, 0.14)
     """Mean and standard deviation of the score of a right label, before it is cut off."""
 
-    wrong_score: tuple[float, float] = (0.52, 0.1)
+    wrong_score: tuple[float, float] = (0.42, 0.1)
     """The same for a wrong label."""
 
     boundary_px: float = Field(default=2.0, ge=0.0)

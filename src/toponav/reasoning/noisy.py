@@ -42,7 +42,7 @@ OWN_SEED = 0x5EEDE7E5
 class NoisyReasonerConfig(ConfigModel):
     """How often a model's look at a panorama errs; see docs/noise.md for where figures are from."""
 
-    sight: Eyesight = Field(default_factory=lambda: Eyesight(half_size=0.05, object_share=0.3))
+    sight: Eyesight = Field(default_factory=lambda: Eyesight(half_size=0.06))
     """What is overlooked."""
 
     confusion: float = Field(default=0.5, ge=0.0)
