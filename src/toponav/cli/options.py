@@ -24,10 +24,11 @@ class AgentOptions:
     """Parameter set: the paper's, or the best we can do."""
 
     detector: str = "oracle"
-    """Perception: oracle reads the simulator's true labels."""
+    """Perception: oracle reads the simulator's true labels, noisy errs like a real detector."""
 
     reasoner: str = "prior"
-    """What plays the VLM: prior is offline and deterministic."""
+    """What plays the VLM: prior is offline and deterministic, noisy looks at the images with a
+    model's errors."""
 
     seed: int = 0
     """Seed of everything random."""
