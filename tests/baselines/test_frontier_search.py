@@ -90,7 +90,8 @@ def test_a_choice_that_stands_is_no_new_decision() -> None:
 
 
 def test_changing_ones_mind_does_not_make_a_walk_without_progress_go_on_for_ever() -> None:
-    log = frozen(Wavering, 4 + small_config().navigator.locomotion.recovery.window_steps).log
+    window = small_config().navigator.locomotion.recovery.window_steps
+    log = frozen(Wavering, 6 + window).log  # a turn, the walk, a last look, another frontier
     first, last = log.decisions[0].waypoint, log.decisions[-1].waypoint
     assert first is not None
     assert last is not None
@@ -112,4 +113,5 @@ def test_a_walk_ends_as_early_as_the_method_says_with_the_turn_it_says() -> None
         at = [np.hypot(*(waypoint - o.world_from_base.translation)[:2]) for o in log.observations]
         assert at[step] <= EasyGoing.exploring_arrival_m
         assert log.actions[step - 2 : step] == [Action.TURN_LEFT] * 2
-        assert at[step - 3] > EasyGoing.exploring_arrival_m
+        already_there = step - 3 == log.decisions[first].step
+        assert at[step - 3] > EasyGoing.exploring_arrival_m or already_there

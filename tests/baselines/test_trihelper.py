@@ -63,9 +63,10 @@ def test_a_repeated_goal_close_by_gives_way_to_a_random_frontier_for_twice_the_s
     walks = [walk(seed) for seed in range(12)]
     assert walk(3) == walks[3]
     cells = {tuple(cell) for cluster in clusters for cell in cluster.cells[cluster.reachable]}
-    assert {path[0] for path in walks} == {path[2] for path in walks} != {path[1] for path in walks}
+    detours = [path for path in walks if path[1] != path[0]]  # else it is repeated once more
+    assert all(path[0] == path[2] for path in detours)
     assert {path[1][:2] for path in walks} <= cells
-    assert len({path[1] for path in walks}) > 3
+    assert len({path[1] for path in detours}) > 3
 
 
 def test_a_repeated_goal_far_away_is_gone_to() -> None:

@@ -71,9 +71,10 @@ class MappedSearch(ABC):
             return Action.STOP
         if self._phase is Phase.EXPLORATION and believed:
             self._approach(observation, view)
-        if self._is_exploring() and self._replans(observation, view):
+        walking = self._locomotion.progress is Progress.WALKING
+        if self._is_exploring() and walking and self._replans(observation, view):
             return self._explore(observation, view)
-        if not self._is_near_waypoint(observation):
+        if self._waypoint is not None and not self._is_near_waypoint(observation):
             action = self._locomotion.next_action(observation, view.grid)
             if action is not None:
                 return action

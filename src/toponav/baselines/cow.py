@@ -65,14 +65,6 @@ class CowAgent(FrontierSearch):
         """The nearest of the clusters' middle cells, by straight line."""
         del reach
         here = observation.world_from_base.translation[:2]
-        middles = np.stack([_middle(cluster) for cluster in clusters])
+        middles = np.stack([cluster.middle for cluster in clusters])
         nearest = middles[np.argmin(np.hypot(*(middles - here).T))]
         return np.append(nearest, view.floor_z)
-
-
-def _middle(cluster: FrontierCluster) -> NDArray[np.float64]:
-    """(2,) the cell nearest to the cluster's mean of those that can be walked to."""
-    away = np.hypot(*(cluster.cells - cluster.centroid).T)
-    away[~cluster.reachable] = np.inf
-    middle: NDArray[np.float64] = cluster.cells[np.argmin(away)]
-    return middle

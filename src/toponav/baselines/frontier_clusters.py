@@ -38,6 +38,14 @@ class FrontierCluster:
         mean: NDArray[np.float64] = self.cells.mean(axis=0)
         return mean
 
+    @property
+    def middle(self) -> NDArray[np.float64]:
+        """(2,) the cell nearest to the centroid of those that can be walked to."""
+        away = np.hypot(*(self.cells - self.centroid).T)
+        away[~self.reachable] = np.inf
+        middle: NDArray[np.float64] = self.cells[np.argmin(away)]
+        return middle
+
 
 def frontier_clusters(
     view: MapView, reach: CostField, admissible: NDArray[np.bool_] | None = None
