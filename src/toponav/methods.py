@@ -8,11 +8,15 @@ from dataclasses import dataclass, field
 from toponav.baselines.cow import CowAgent
 from toponav.baselines.esc import EscAgent
 from toponav.baselines.frontier import FrontierAgent
+from toponav.baselines.instructnav import InstructNavAgent
 from toponav.baselines.l3mvn import L3mvnAgent
 from toponav.baselines.random_walk import RandomAgent
 from toponav.baselines.sg_nav import SgNavAgent
 from toponav.baselines.tour import TourAgent
 from toponav.baselines.trihelper import TriHelperAgent
+from toponav.baselines.vlfm import VlfmAgent
+from toponav.baselines.voronav import VoroNavAgent
+from toponav.baselines.wmnav import WmNavAgent
 from toponav.config import NavigatorConfig
 from toponav.navigator import Navigator
 from toponav.perception.base import Detector
@@ -86,8 +90,28 @@ def _sg_nav(context: AgentContext) -> Agent:
     return SgNavAgent(context.detector, context.reasoner, context.config, context.listener)
 
 
+@methods.register("instructnav")
+def _instructnav(context: AgentContext) -> Agent:
+    return InstructNavAgent(context.detector, context.reasoner, context.config, context.listener)
+
+
 @methods.register("trihelper")
 def _trihelper(context: AgentContext) -> Agent:
     return TriHelperAgent(
         context.detector, context.reasoner, context.config, context.seed, context.listener
     )
+
+
+@methods.register("vlfm")
+def _vlfm(context: AgentContext) -> Agent:
+    return VlfmAgent(context.detector, context.reasoner, context.config, context.listener)
+
+
+@methods.register("voronav")
+def _voronav(context: AgentContext) -> Agent:
+    return VoroNavAgent(context.detector, context.reasoner, context.config, context.listener)
+
+
+@methods.register("wmnav")
+def _wmnav(context: AgentContext) -> Agent:
+    return WmNavAgent(context.detector, context.reasoner, context.config, context.listener)

@@ -106,13 +106,6 @@ def test_frontiers_within_a_stride_are_left_out_unless_there_are_no_others() -> 
     assert distance.max() < NEAREST_M
 
 
-def test_only_sure_detections_of_the_target_enter_the_map() -> None:
-    seen = detections_of({"sofa": (0, 0, 2, 2), "chair": (3, 3, 6, 6)}, [0.60, 0.1])
-    assert agent()._accepted(seen).labels == ("chair",)
-    surer = detections_of({"sofa": (0, 0, 2, 2), "chair": (3, 3, 6, 6)}, [0.62, 0.1])
-    assert agent()._accepted(surer).labels == ("sofa", "chair")
-
-
 def test_it_scores_anew_only_on_arrival() -> None:
     log = search(named("esc"), goal="piano")
     assert log.actions[:12] == [Action.TURN_LEFT] * 12

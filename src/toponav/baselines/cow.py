@@ -4,11 +4,11 @@ Gadre, Wortsman, Ilharco, Schmidt and Song 2023, "CoWs on Pasture: Baselines and
 Language-Driven Zero-Shot Object Navigation".
 
 Kept: a full turn first; frontier cells linked over 1.5 cells (which is 8-connected); a cluster's
-goal is its cell nearest to the mean; the nearest goal by straight line first; a single detection of
-0.2 or more at the centre of its box is the target, for good; stop within 1.0 m of it. No language
-model is asked. Changed: the shared grid of 0.1 m and its least frontier of 4 cells instead of 0.125
-m and 3; only cells that can be walked to; the shared planner instead of its A*; once the sighting
-cannot be approached the search goes on, where CoW is stuck.
+goal is its cell nearest to the mean; the nearest goal by straight line first; a single detection,
+at the centre of its box, is the target for good; stop within 1.0 m of it. No language model is
+asked. Changed: the shared grid of 0.1 m and its least frontier of 4 cells instead of 0.125 m and 3;
+only cells that can be walked to; the shared planner instead of its A*; once the sighting cannot be
+approached the search goes on, where CoW is stuck.
 """
 
 from __future__ import annotations
@@ -25,9 +25,6 @@ from toponav.control.planner import CostField
 from toponav.mapping.view import MapView
 from toponav.policy.goal import GoalConfig
 from toponav.types import Detections, Observation
-
-GOAL_SCORE = 0.2
-"""Detections from this score on are the target."""
 
 STOP_M = 1.0
 """The agent stops within this distance of the sighting, metres."""
@@ -48,12 +45,12 @@ class CowAgent(FrontierSearch):
         )
 
     def _accepted(self, detections: Detections) -> Detections:
-        """The confident detections, each reduced to the pixel at the centre of its box."""
-        sure = detections.where(detections.scores >= GOAL_SCORE)
-        centres = (0.5 * (sure.boxes[:, :2] + sure.boxes[:, 2:])).astype(np.int64)
-        masks = np.zeros_like(sure.masks)
-        masks[np.arange(len(sure)), centres[:, 1], centres[:, 0]] = True
-        return replace(sure, masks=masks)
+        """The detections, each reduced to the pixel at the centre of its box."""
+        boxes = detections.boxes
+        centres = (0.5 * (boxes[:, :2] + boxes[:, 2:])).astype(np.int64)
+        masks = np.zeros_like(detections.masks)
+        masks[np.arange(len(detections)), centres[:, 1], centres[:, 0]] = True
+        return replace(detections, masks=masks)
 
     def _choose(
         self,

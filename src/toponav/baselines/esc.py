@@ -5,7 +5,7 @@ Constraints for Zero-shot Object Navigation".
 
 Kept: a full turn first; every frontier cell at least 1.6 m away scored by soft logic over eight
 rooms within 0.6 m and all objects within 1.6 m, plus twice its nearness up to 11.6 m; a new score
-only on arrival, within 0.5 m; a target detected with 0.61 or more is gone to, stopping at 0.5 m.
+only on arrival, within 0.5 m; a detected target is gone to, stopping at 0.5 m.
 
 Changed: room and object affinities come from the reasoner, min-max normalised over the names asked
 instead of over a table of all goals. No detector here names rooms: a room's confidence is its
@@ -59,9 +59,6 @@ DISTANCE_WEIGHT = 2.0
 OBJECT_RADIUS_M = 1.6
 """Objects this near to a frontier, metres, speak for or against it."""
 
-GOAL_SCORE = 0.61
-"""Detections of the target from this score on count."""
-
 STOP_M = 0.5
 """The agent stops within this distance of the target, metres."""
 
@@ -93,11 +90,6 @@ class EscAgent(FrontierSearch):
 
     def _goal_config(self, shared: GoalConfig) -> GoalConfig:
         return shared.model_copy(update={"stop_distance_m": STOP_M})
-
-    def _accepted(self, detections: Detections) -> Detections:
-        """All but doubtful detections of the target."""
-        context = np.array([label != self._target for label in detections.labels], dtype=np.bool_)
-        return detections.where(context | (detections.scores >= GOAL_SCORE))
 
     def _perceive(self, observation: Observation, detections: Detections, view: MapView) -> None:
         self._objects.add(observation, detections, view.floor)
