@@ -14,9 +14,9 @@ from toponav.evaluation.results import (
     EpisodeResult,
     json_ready,
     score_episode,
-    summarize,
     to_json,
 )
+from toponav.evaluation.summary import summarize
 
 FOUND = EpisodeResult(
     scene="s", index=0, target="bed", method="toponav", seed=3, stop_called=True,

@@ -13,11 +13,12 @@ from toponav.errors import InputError
 from toponav.evaluation.crew import Crew, InProcess, Outcome, WorkerFactory, drive
 from toponav.evaluation.episode_worker import EpisodeWorker
 from toponav.evaluation.metrics import BENCHMARK_RADIUS_M
-from toponav.evaluation.results import EpisodeResult, summarize
+from toponav.evaluation.results import EpisodeResult
 from toponav.evaluation.run_config import RunConfig
 from toponav.evaluation.run_folder import RunFolder, RunRequest
 from toponav.evaluation.runner import check_parts
 from toponav.evaluation.sources import open_source
+from toponav.evaluation.summary import summarize
 from toponav.evaluation.tasks import Task, TaskQueue, plan, shard
 
 

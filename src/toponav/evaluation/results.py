@@ -19,7 +19,6 @@ from toponav.evaluation.metrics import (
     spl,
     success,
 )
-from toponav.evaluation.summary import summarize as summarize  # noqa: PLC0414  # known here too
 
 
 @dataclass(frozen=True)
