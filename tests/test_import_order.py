@@ -89,7 +89,7 @@ def test_only_evaluation_and_the_oracle_detector_see_ground_truth() -> None:
 
 
 def test_importing_the_package_loads_no_heavy_library() -> None:
-    heavy = "numba trimesh embreex matplotlib scipy gymnasium torch ray networkx shapely"
+    heavy = "numba trimesh embreex matplotlib scipy gymnasium torch ray networkx shapely openai"
     code = f"import sys, toponav; print([m for m in '{heavy}'.split() if m in sys.modules])"
     result = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True

@@ -105,7 +105,7 @@ def test_a_mesh_without_floor(capsys: pytest.CaptureFixture[str], tmp_path: Path
         (["--camera", "big"], "WIDTHxHEIGHT"),
         (["--method", "magic"], "unknown method 'magic'; known: cow, "),
         (["--detector", "magic"], "unknown detector 'magic'; known: noisy, oracle"),
-        (["--reasoner", "magic"], "unknown reasoner 'magic'; known: noisy, prior"),
+        (["--reasoner", "magic"], "unknown reasoner 'magic'; known: noisy, openai, prior"),
         (["--set", "navigator.memory.nonsense=1"], "navigator.memory.nonsense"),
         (["--set", "navigator.memory.d_merge=far"], "d_merge"),
         (["--set", "nonsense"], "key=value"),

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import json
 import math
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from chat_server import chat_server
 from toponav.categories import DEFAULT_VOCABULARY
 from toponav.memory.graph import TopologicalMemory
 from toponav.memory.snapshot import EdgeView, MemorySnapshot, NodeView
@@ -21,6 +25,7 @@ from toponav.reasoning import (
     ReasonerContext,
     ReasoningConfig,
     SeenObject,
+    VlmConfig,
     reasoners,
 )
 from true_frames import Truth, true_frame
@@ -78,12 +83,30 @@ queries = st.builds(
 )
 
 
+def first_allowed(body: dict[str, Any]) -> str:
+    """What a server answers that knows the schema and nothing else."""
+    properties = body["response_format"]["json_schema"]["schema"]["properties"]
+    plain = {"string": "hall", "boolean": False, "integer": 0, "array": []}
+    return json.dumps(
+        {key: field.get("enum", [plain[field["type"]]])[0] for key, field in properties.items()}
+    )
+
+
+@pytest.fixture(scope="module")
+def configured() -> Iterator[ReasoningConfig]:
+    """Every reasoner in working order; a model's server is a real one."""
+    with chat_server(first_allowed) as server:
+        yield ReasoningConfig(openai=VlmConfig(base_url=server.url))
+
+
 @pytest.mark.parametrize("name", reasoners.names())
 @given(query=queries)
 @settings(max_examples=60, deadline=None)
-def test_answers_are_valid_and_repeatable(name: str, query: Query) -> None:
+def test_answers_are_valid_and_repeatable(
+    configured: ReasoningConfig, name: str, query: Query
+) -> None:
     sights = SightLog(Truth(true_frame([[0]], ["chair"])))
-    context = ReasonerContext(ReasoningConfig(), sights, seed=3)
+    context = ReasonerContext(configured, sights, seed=3)
     reasoner = reasoners.get(name)(context)
     sights.look(IMAGE)
     guidance = reasoner.decide(query)

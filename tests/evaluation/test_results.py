@@ -64,6 +64,7 @@ def test_a_line_holds_the_whole_record() -> None:
     assert json.loads(line) == json_ready(asdict(FOUND))
     assert json.loads(line)["vlm"] == {
         "calls": 0, "failures": 0, "prompt_tokens": 0, "completion_tokens": 0, "cost_usd": 0.0,
+        "failure_kinds": {}, "unanswered": 0, "not_recorded": 0, "cached": 0,
     }  # fmt: skip
 
 

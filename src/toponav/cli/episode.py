@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 from toponav.categories import readable
 from toponav.cli.console import Output
 from toponav.config import config_json
+from toponav.evaluation.model_files import ModelFiles
 from toponav.evaluation.recorder import EpisodeRecorder
 from toponav.evaluation.results import EpisodeResult, to_json
 from toponav.evaluation.run_config import RunConfig
-from toponav.evaluation.runner import SceneRunner
+from toponav.evaluation.runner import SceneRunner, check_parts
 from toponav.files import write_atomic
 from toponav.mapping.view import MapView
 from toponav.memory.graph import TopologicalMemory
@@ -85,7 +86,12 @@ def _reasoning(decision: Decision) -> str:
 
 
 def run_one(
-    scene: Scene, config: RunConfig, wish: EpisodeWish, folder: Path, output: Output
+    scene: Scene,
+    config: RunConfig,
+    wish: EpisodeWish,
+    folder: Path,
+    output: Output,
+    cache: Path | None = None,
 ) -> EpisodeResult:
     """Run one episode and write everything about it into `folder`.
 
@@ -96,10 +102,12 @@ def run_one(
         folder: Gets config.json, result.json, trajectory.jsonl, decisions.jsonl, memory.json,
             topdown.png and a panorama a decision.
         output: Where to tell about it.
+        cache: Folder of a model's answers, which are not asked for again.
 
     Raises:
         EpisodeError: The target or the start does not fit the scene.
     """
+    check_parts(config)
     runner = SceneRunner(scene, config)
     spec = runner.spec(0, runner.env.episode(wish.target, wish.start, config.seed))
     runner.check(spec)
@@ -109,7 +117,8 @@ def run_one(
     recorder = EpisodeRecorder(folder)
     narrator = Narrator(output, folder, spec.episode.target)
     output.say(f"searching for a {readable(spec.episode.target)} in {scene.name}")
-    result = runner.run(spec, (recorder, narrator), (recorder, narrator))
+    access = ModelFiles(folder, cache).access(spec.scene, spec.index)
+    result = runner.run(spec, (recorder, narrator), (recorder, narrator), access)
     write_atomic(folder / "result.json", to_json(result) + "\n")
     if narrator.map_view is not None:
         picture = TopDownPicture(

@@ -15,7 +15,7 @@ from toponav.cli.options import AgentOptions, JsonFlag, RunOptions
 class Eval:
     """Run the episodes of scenes or of an ObjectNav episode file, and sum them up."""
 
-    source: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="SOURCE")]
+    source: Annotated[str | None, tyro.conf.Positional, tyro.conf.arg(metavar="SOURCE")] = None
     """Scene, folder of scenes, generated:FIRST-LAST, or an ObjectNav episode file (.json.gz)."""
 
     out: Path = Path("runs/eval")
@@ -26,6 +26,10 @@ class Eval:
 
     shard: str | None = None
     """Run only part i of n of the episodes, as 2/8; each part into an --out of its own."""
+
+    replay: Path | None = None
+    """Run the episodes of an earlier run again, its model's answers given from its records, without
+    a network; SOURCE and the agent's options are those of that run."""
 
     runs: Annotated[RunOptions, tyro.conf.arg(name="")] = field(default_factory=RunOptions)
     """How many, and by how many workers."""
@@ -40,11 +44,13 @@ class Eval:
         """Run and summarise."""
         from toponav.cli.console import Output
         from toponav.cli.progress import RunDisplay
-        from toponav.cli.resolve import resolve_config, resolve_request
+        from toponav.cli.resolve import resolve_replay, resolve_run
         from toponav.evaluation.evaluate import evaluate, summary_line
 
-        config = resolve_config(self.agent)
-        request = resolve_request(self.source, self.runs, self.shard)
+        if self.replay is None:
+            request, config = resolve_run(self.source, self.runs, self.agent, self.shard)
+        else:
+            request, config = resolve_replay(self.replay, self.source, self.runs, self.agent)
         output = Output(self.json)
         with RunDisplay(output) as display:
             summary = evaluate(request, config, self.out, self.resume, display.on_progress)

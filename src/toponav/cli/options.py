@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Literal
@@ -11,6 +12,12 @@ import tyro
 from toponav.errors import InputError
 
 JsonFlag = Annotated[bool, tyro.conf.arg(name="json"), tyro.conf.FlagCreatePairsOff]
+
+
+def answer_cache() -> Path:
+    """Where a user's programs keep what can be had again."""
+    base = os.environ.get("XDG_CACHE_HOME", "").strip()
+    return (Path(base) if base else Path.home() / ".cache") / "toponav" / "answers"
 
 
 @dataclass(frozen=True)
@@ -28,7 +35,17 @@ class AgentOptions:
 
     reasoner: str = "prior"
     """What plays the VLM: prior is offline and deterministic, noisy looks at the images with a
-    model's errors."""
+    model's errors, openai asks a real one behind any OpenAI-compatible server."""
+
+    model: str | None = None
+    """Model of the reasoner openai, as its server calls it; by default gpt-4o."""
+
+    base_url: str | None = None
+    """Server of the reasoner openai, such as http://localhost:8080/v1; by default OpenAI's. The key
+    comes from the environment variable OPENAI_API_KEY alone."""
+
+    cache: Path | None = field(default_factory=answer_cache)
+    """Folder of a model's answers: what was answered once is not asked again; None asks anew."""
 
     seed: int = 0
     """Seed of everything random."""
@@ -62,6 +79,9 @@ class RunOptions:
     record: bool = True
     """Write every step and decision into OUT/episodes (about 60 kB an episode), for replay and
     reports; the workers of a cluster must share that folder."""
+
+    max_cost: float | None = None
+    """Dollars that the reasoner's model may take: then no further episode is begun."""
 
     data: Path = Path("data")
     """Folder that holds `scene_datasets`, for the scenes of an ObjectNav episode file."""

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from toponav.cli.options import AgentOptions, RunOptions, image_size, overrides
-from toponav.config import parse_config, with_overrides
+from toponav.config import load_config, parse_config, with_overrides
 from toponav.envs.simulator import HouseEnvConfig
+from toponav.errors import InputError
 from toponav.evaluation.run_config import RunConfig, run_config
-from toponav.evaluation.run_folder import RunRequest
+from toponav.evaluation.run_folder import CONFIG_FILE, RUN_FILE, RunRequest
 
 
 def resolve_config(options: AgentOptions) -> RunConfig:
@@ -20,26 +23,56 @@ def resolve_config(options: AgentOptions) -> RunConfig:
     env = parse_config(HouseEnvConfig, size_and_limit, "the command line")
     config = run_config(options.preset, options.method, options.seed, env)
     config = config.model_copy(update={"detector": options.detector, "reasoner": options.reasoner})
-    return with_overrides(config, overrides(options.set))
+    model = {"model": options.model, "base_url": options.base_url}
+    named = {f"reasoning.openai.{key}": value for key, value in model.items() if value is not None}
+    return with_overrides(config, {**named, **overrides(options.set)})
 
 
-def resolve_request(source: str, options: RunOptions, shard: str | None = None) -> RunRequest:
-    """What to run, from the command line.
+def resolve_run(
+    source: str | None, options: RunOptions, agent: AgentOptions, shard: str | None = None
+) -> tuple[RunRequest, RunConfig]:
+    """What to run and how, from the command line.
 
     Raises:
         InputError: A value that cannot be used; the message names it.
     """
-    return parse_config(
-        RunRequest,
-        {
-            "source": source,
-            "episodes": options.episodes,
-            "labels": options.labels,
-            "data": options.data,
-            "shard": shard,
-            "workers": options.workers,
-            "ray_address": options.ray_address,
-            "record": options.record,
-        },
-        "the command line",
-    )
+    if source is None:
+        raise InputError("give a SOURCE, such as generated:0-49, or --replay RUN")
+    request = {
+        "source": source,
+        "episodes": options.episodes,
+        "labels": options.labels,
+        "data": options.data,
+        "shard": shard,
+        "workers": options.workers,
+        "ray_address": options.ray_address,
+        "record": options.record,
+        "cache": agent.cache,
+        "max_cost": options.max_cost,
+    }
+    return parse_config(RunRequest, request, "the command line"), resolve_config(agent)
+
+
+def resolve_replay(
+    run: Path, source: str | None, options: RunOptions, agent: AgentOptions
+) -> tuple[RunRequest, RunConfig]:
+    """An earlier run again, with its model's answers; who runs it is up to the command line.
+
+    Raises:
+        InputError: There is no such run, or it is told to be another one.
+    """
+    if source is not None or agent != AgentOptions():
+        raise InputError(
+            "--replay takes SOURCE and the agent's options from the run: leave them out"
+        )
+    request = load_config(RunRequest, run / RUN_FILE)
+    again = {
+        "workers": options.workers,
+        "ray_address": options.ray_address,
+        "record": options.record,
+        "episodes": options.episodes or request.episodes,
+        "cache": None,
+        "max_cost": None,
+        "replay": run.resolve(),
+    }
+    return request.model_copy(update=again), load_config(RunConfig, run / CONFIG_FILE)

@@ -54,6 +54,8 @@ class Run:
         output = Output(self.json)
         scene = load_scene(self.house, self.labels)
         folder = fresh_folder(self.out)
-        result = run_one(scene, config, EpisodeWish(self.target, start), folder, output)
+        result = run_one(
+            scene, config, EpisodeWish(self.target, start), folder, output, self.agent.cache
+        )
         output.say(f"pictures and records: {folder}")
         output.result(result_line(result), result_data(result, folder))

@@ -46,13 +46,12 @@ class Study:
         """Run the variants and compare them with the first."""
         from toponav.cli.console import Output
         from toponav.cli.progress import RunDisplay
-        from toponav.cli.resolve import resolve_config, resolve_request
+        from toponav.cli.resolve import resolve_run
         from toponav.cli.table import Table
         from toponav.evaluation.studies import run_study, study
 
         chosen = study(self.name)
-        config = resolve_config(self.agent)
-        request = resolve_request(self.source, self.runs)
+        request, config = resolve_run(self.source, self.runs, self.agent)
         output = Output(self.json)
         output.say(chosen.title)
         folders = run_study(

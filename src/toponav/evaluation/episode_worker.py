@@ -6,6 +6,7 @@ from pathlib import Path
 
 from toponav.config import config_sha
 from toponav.errors import TopoNavError
+from toponav.evaluation.model_files import ModelFiles
 from toponav.evaluation.recorder import EpisodeRecorder, episode_folder
 from toponav.evaluation.results import EpisodeResult
 from toponav.evaluation.rollout import EpisodeSpec, Rollout, RunIdentity
@@ -22,17 +23,25 @@ NO_EPISODE = SceneEpisode("", (0.0, 0.0, 0.0), 0.0)
 class EpisodeWorker:
     """Runs the episodes of a source by one configuration."""
 
-    def __init__(self, source: Source, config: RunConfig, record_into: Path | None = None) -> None:
+    def __init__(
+        self,
+        source: Source,
+        config: RunConfig,
+        record_into: Path | None = None,
+        models: ModelFiles | None = None,
+    ) -> None:
         """Load nothing yet.
 
         Args:
             source: Where the episodes are.
             config: How they are run.
             record_into: The run's folder, when every step and decision is to be recorded there.
+            models: Where a model keeps its calls; by default nowhere.
         """
         self._source = source
         self._config = config
         self._record_into = record_into
+        self._models = models or ModelFiles()
         self._spec: str | None = None
         self._runner: SceneRunner | None = None
 
@@ -44,11 +53,12 @@ class EpisodeWorker:
         except TopoNavError as error:
             return self.failed(task, str(error))
         try:
+            access = self._models.access(task.scene, task.index)
             if self._record_into is None:
-                return runner.run(episode)
+                return runner.run(episode, access=access)
             folder = episode_folder(self._record_into, task.scene, task.index)
             recorder = EpisodeRecorder(folder)
-            return runner.run(episode, (recorder,), (recorder,))
+            return runner.run(episode, (recorder,), (recorder,), access)
         except TopoNavError as error:
             return runner.scored(episode, Rollout.impossible(str(error)))
 

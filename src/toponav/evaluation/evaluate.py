@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from toponav.errors import InputError
+from toponav.errors import InputError, TopoNavError
 from toponav.evaluation.crew import Crew, InProcess, Outcome, WorkerFactory, drive
 from toponav.evaluation.episode_worker import EpisodeWorker
 from toponav.evaluation.metrics import BENCHMARK_RADIUS_M
+from toponav.evaluation.model_files import ModelFiles, check_replay
 from toponav.evaluation.results import EpisodeResult
 from toponav.evaluation.run_config import RunConfig
 from toponav.evaluation.run_folder import RunFolder, RunRequest
@@ -20,6 +21,8 @@ from toponav.evaluation.runner import check_parts
 from toponav.evaluation.sources import open_source
 from toponav.evaluation.summary import summarize
 from toponav.evaluation.tasks import Task, TaskQueue, plan, shard
+from toponav.reasoning.openai_compatible import NAME as OPENAI
+from toponav.reasoning.usage import VlmUsage, total_usage
 
 
 @dataclass(frozen=True)
@@ -71,16 +74,28 @@ def evaluate(
         tasks = shard(tasks, request.shard)
     if request.workers < 1:
         raise InputError(f"--workers takes a positive number, not {request.workers}")
-    check_parts(config)
-    recorded = folder.resolve() if request.record else None
-    make_worker = partial(EpisodeWorker, source, config, recorded)
+    check_parts(config, replayed=request.replay is not None)
+    _check_cost(request, config)
+    where = folder.resolve()
+    models = ModelFiles(where, request.cache, request.replay)
+    if request.replay is not None:
+        check_replay(request.replay)
+    recorded = where if request.record else None
+    make_worker = partial(EpisodeWorker, source, config, recorded, models)
     run = RunFolder(folder)
     with run.opened(request, config, resume):
         results = run_tasks(
-            run, tasks, make_worker, partial(_crew, make_worker, request), on_progress
-        )
+            run, tasks, make_worker, partial(_crew, make_worker, request), on_progress,
+            request.max_cost,
+        )  # fmt: skip
     summary = _summary(request.source, config, tasks, results)
     run.conclude(summary)
+    if len(results) < len(tasks):
+        raise TopoNavError(
+            f"stopped at {summary['vlm']['cost_usd']:.2f} dollars of --max-cost "
+            f"{request.max_cost:g} after {len(results)} of {len(tasks)} episodes; go on with "
+            "--resume and a higher --max-cost"
+        )
     return summary
 
 
@@ -90,6 +105,7 @@ def run_tasks(
     make_worker: WorkerFactory,
     make_crew: Callable[[], Crew],
     on_progress: OnProgress,
+    max_cost: float | None = None,
 ) -> list[EpisodeResult]:
     """Run what is left and write it down.
 
@@ -99,6 +115,7 @@ def run_tasks(
         make_worker: Makes the worker that words the result of an episode that is given up.
         make_crew: Makes the workers; they are let go at the end. Not called if nothing is left.
         on_progress: Told at the start and after every episode.
+        max_cost: Dollars after which no further episode is begun.
 
     Returns:
         All results, those of the run that is resumed included.
@@ -107,16 +124,23 @@ def run_tasks(
     keys = {result.key for result in results}
     left = [task for task in tasks if task.key not in keys]
     total = len(results) + len(left)
+    queue = TaskQueue(left)
+
+    def stop_if_spent() -> None:
+        if max_cost is not None and sum(r.vlm.cost_usd for r in results) >= max_cost:
+            queue.clear()
 
     def keep(outcome: Outcome) -> None:
         run.keep(outcome)
         results.append(outcome.result)
+        stop_if_spent()
         on_progress(RunProgress(len(results), total, outcome, results))
 
     on_progress(RunProgress(len(results), total, None, results))
-    if left:
+    stop_if_spent()
+    if len(queue):
         with closing(make_crew()) as crew:
-            drive(crew, TaskQueue(left), make_worker().failed, keep)
+            drive(crew, queue, make_worker().failed, keep)
     return results
 
 
@@ -141,6 +165,7 @@ def _summary(
         "all": summarize(ordered),
         "same_floor": summarize([result for result in ordered if not result.floor_change]),
         "floor_change": summarize([result for result in ordered if result.floor_change]),
+        "vlm": asdict(total_usage(result.vlm for result in ordered)),
     }
 
 
@@ -151,7 +176,39 @@ def summary_line(summary: dict[str, Any]) -> str:
         row = summary[group]
         if row["n"]:
             lines.append(f"  {group.replace('_', ' '):13s}{_row(row)}")
+    model = usage_line(VlmUsage(**summary["vlm"]))
+    if model:
+        lines.append(f"  {'model':13s}{model}")
     return "\n".join(lines)
+
+
+def usage_line(usage: VlmUsage) -> str:
+    """What a model took in a few plain words; nothing where none was asked."""
+    if usage == VlmUsage():
+        return ""
+    kinds = ", ".join(f"{kind} {count}" for kind, count in usage.failure_kinds.items())
+    words = [
+        f"{usage.calls} calls, {usage.failures} failed" + (f" ({kinds})" if kinds else ""),
+        f"{usage.prompt_tokens} tokens in, {usage.completion_tokens} out",
+        f"{usage.cost_usd:.4f} dollars",
+    ]
+    if usage.cached:
+        words.append(f"{usage.cached} questions answered by the cache")
+    if usage.unanswered:
+        words.append(f"{usage.unanswered} by the stand-in")
+    if usage.not_recorded:
+        words.append(f"{usage.not_recorded} prompts changed since the recording")
+    return ", ".join(words)
+
+
+def _check_cost(request: RunRequest, config: RunConfig) -> None:
+    """A limit means nothing for a model whose price nobody knows."""
+    openai = config.reasoning.openai
+    if request.max_cost is not None and config.reasoner == OPENAI and openai.price() is None:
+        raise InputError(
+            f"--max-cost: the price of {openai.model} is not known; give it in dollars per million "
+            "tokens in and out, as --set reasoning.openai.price_per_million=[2.5,10]"
+        )
 
 
 def _row(row: dict[str, Any]) -> str:

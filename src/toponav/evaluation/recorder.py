@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-import re
 from pathlib import Path
 from typing import Any
 
+from toponav.evaluation.model_files import episode_name
 from toponav.files import discard_temporaries
 from toponav.mapping.view import MapView
 from toponav.memory.graph import TopologicalMemory
@@ -19,8 +19,8 @@ POSITION_DIGITS = 6
 
 
 def episode_folder(run: Path, scene: str, index: int) -> Path:
-    """Where an episode of a run is recorded; the scene's name is free text."""
-    return run / "episodes" / f"{re.sub(r'[^A-Za-z0-9_.-]+', '_', scene)}_{index}"
+    """Where an episode of a run is recorded."""
+    return run / "episodes" / episode_name(scene, index)
 
 
 class EpisodeRecorder:

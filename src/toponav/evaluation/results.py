@@ -19,17 +19,7 @@ from toponav.evaluation.metrics import (
     spl,
     success,
 )
-
-
-@dataclass(frozen=True)
-class VlmUsage:
-    """What the reasoner's model cost in one episode; all zero for an offline reasoner."""
-
-    calls: int = 0
-    failures: int = 0
-    prompt_tokens: int = 0
-    completion_tokens: int = 0
-    cost_usd: float = 0.0
+from toponav.reasoning.usage import VlmUsage
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from toponav.envs.simulator import HouseEnv
 from toponav.errors import TopoNavError
 from toponav.evaluation.funnel import ERROR, SearchTrace
 from toponav.evaluation.results import EpisodeResult, score_episode
+from toponav.reasoning.usage import VlmUsage
 from toponav.scenes.mesh import SceneEpisode
 from toponav.types import Action, Agent, Observation
 
@@ -78,6 +79,7 @@ class Rollout:
         search: Stages of the search.
         failure: Why it failed; "" on success.
         seconds: Wall-clock seconds by stage.
+        vlm: What the model took.
     """
 
     shortest_path: float
@@ -93,6 +95,7 @@ class Rollout:
     seconds: dict[str, float] = field(
         default_factory=lambda: {"simulation": 0.0, "agent": 0.0, "total": 0.0}
     )
+    vlm: VlmUsage = field(default_factory=VlmUsage)
 
     @classmethod
     def impossible(cls, reason: str) -> Rollout:
@@ -134,6 +137,7 @@ class Rollout:
             scene_m2=run.scene_m2,
             failure=self.failure,
             search=self.search,
+            vlm=self.vlm,
         )
 
 

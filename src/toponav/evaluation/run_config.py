@@ -9,6 +9,7 @@ from toponav.config_model import ConfigModel
 from toponav.envs.simulator import HouseEnvConfig
 from toponav.perception import PerceptionConfig
 from toponav.reasoning import ReasoningConfig
+from toponav.reasoning.config import reasoning_preset
 
 
 class RunConfig(ConfigModel):
@@ -55,6 +56,7 @@ def run_config(
         "preset": preset_name,
         "seed": seed,
         "navigator": preset(preset_name),
+        "reasoning": reasoning_preset(preset_name),
         "env": env or HouseEnvConfig(),
     }
     return parse_config(RunConfig, values, "the run")

@@ -8,6 +8,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from pydantic import Field
+
 from toponav.config import config_json
 from toponav.config_model import ConfigModel
 from toponav.errors import ConfigError, InputError
@@ -21,7 +23,9 @@ CONFIG_FILE, RUN_FILE, SUMMARY_FILE = "config.json", "run.json", "summary.json"
 ERRORS_FILE = "errors.log"
 """Tracebacks of episodes that failed by a defect; absent without any."""
 
-FREE_TO_CHANGE = frozenset({"episodes", "data", "shard", "workers", "ray_address", "record"})
+FREE_TO_CHANGE = frozenset(
+    {"episodes", "data", "shard", "workers", "ray_address", "record", "cache", "max_cost"}
+)
 """What of a request may differ when a run is resumed, since no result depends on it."""
 
 
@@ -51,6 +55,15 @@ class RunRequest(ConfigModel):
 
     record: bool = True
     """Write every step and decision into a folder an episode."""
+
+    cache: Path | None = None
+    """Folder of a model's answers, which are not asked for again."""
+
+    replay: Path | None = None
+    """Run whose answers of a model are given again."""
+
+    max_cost: float | None = Field(default=None, gt=0.0)
+    """Dollars that a model may take; then no further episode is begun."""
 
 
 class RunFolder:

@@ -25,18 +25,27 @@ from toponav.perception import DetectorContext, detectors
 from toponav.perception.sightings import SightLog, WitnessedDetector
 from toponav.policy.decision import DecisionListener, Listeners
 from toponav.reasoning import ReasonerContext, reasoners
+from toponav.reasoning.openai_compatible import NAME as OPENAI
+from toponav.reasoning.openai_compatible import key_of
+from toponav.reasoning.vlm.access import ModelAccess
 from toponav.scenes.mesh import Scene, SceneEpisode
 
 
-def check_parts(config: RunConfig) -> None:
+def check_parts(config: RunConfig, *, replayed: bool = False) -> None:
     """Make sure that a run's method, detector and reasoner exist, before anything is loaded.
 
+    Args:
+        config: Of the run.
+        replayed: Whether a model's answers come from an earlier run, so that no key is needed.
+
     Raises:
-        InputError: One does not; the message lists those that do.
+        InputError: One does not, the message lists those that do; or a model's key is missing.
     """
     methods.get(config.method)
     detectors.get(config.detector)
     reasoners.get(config.reasoner)
+    if config.reasoner == OPENAI and not replayed:
+        key_of(config.reasoning.openai)
 
 
 class SceneRunner:
@@ -93,16 +102,24 @@ class SceneRunner:
         spec: EpisodeSpec,
         observers: Sequence[StepObserver] = (),
         listeners: Sequence[DecisionListener] = (),
+        access: ModelAccess | None = None,
     ) -> EpisodeResult:
         """Run and score one episode.
+
+        Args:
+            spec: The episode.
+            observers: Watch every step.
+            listeners: Watch every decision.
+            access: What a reasoner that asks a model may use; by default it keeps nothing.
 
         Raises:
             EpisodeError: The target or the start does not fit the scene.
         """
         oracle, config = self.env.oracle, self.config
+        access = access or ModelAccess()
         sights = SightLog(oracle)
         detector = self._detector(DetectorContext(config.perception, oracle, spec.seed))
-        reasoner = self._reasoner(ReasonerContext(config.reasoning, sights, spec.seed))
+        reasoner = self._reasoner(ReasonerContext(config.reasoning, sights, spec.seed, access))
         watch = SearchWatch(WitnessedDetector(detector, sights), oracle)
         agent = self._method(
             AgentContext(
@@ -118,6 +135,7 @@ class SceneRunner:
         finally:
             agent.close()
         watch.tell(rollout)
+        rollout.vlm = access.log.usage()
         return self.scored(spec, rollout)
 
     def scored(self, spec: EpisodeSpec, rollout: Rollout) -> EpisodeResult:

@@ -119,6 +119,10 @@ class TaskQueue:
         """A task that was not finished goes to the front of its scene's."""
         self._waiting.setdefault(task.scene, deque()).appendleft(task)
 
+    def clear(self) -> None:
+        """Nothing further is handed out."""
+        self._waiting.clear()
+
     def _next_scene(self, worker: int) -> str | None:
         own = self._scene_of.get(worker)
         if own in self._waiting:

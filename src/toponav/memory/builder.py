@@ -145,7 +145,7 @@ class MemoryBuilder:
         edges, history = self._memory.edges, self._memory.history
         current = self._memory.node(current).id
         text = describe(nodes, edges, current, history, self._config.text, shown)
-        return MemorySnapshot(nodes, edges, current, history, text)
+        return MemorySnapshot(nodes, edges, current, history, text, shown)
 
     def _mergeable(self, node: NodeView, map_view: MapView) -> NodeView | None:
         """The nearest node with ||n_i - n_j|| < d_merge and no obstacle on L(n_i, n_j)."""

@@ -70,6 +70,7 @@ class MemorySnapshot:
         current: Node at which the agent stands.
         history: H, ids in order of arrival, repeats included.
         text: The form that a language model reads.
+        shown: What of the nodes is not ablated.
     """
 
     nodes: tuple[NodeView, ...]
@@ -77,3 +78,4 @@ class MemorySnapshot:
     current: int
     history: tuple[int, ...]
     text: str
+    shown: frozenset[NodeAttribute] = ALL_ATTRIBUTES

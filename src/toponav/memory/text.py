@@ -14,6 +14,7 @@ from toponav.memory.snapshot import (
     ALL_ATTRIBUTES,
     UNKNOWN_ROOM,
     EdgeView,
+    MemorySnapshot,
     NodeAttribute,
     NodeView,
 )
@@ -41,6 +42,27 @@ class TextBudget(ConfigModel):
     """Last arrivals listed."""
 
 
+@dataclass(frozen=True)
+class MemoryText:
+    """A memory in words.
+
+    Attributes:
+        text: One line a place.
+        told: Ids of the places that it tells of, ascending.
+        omitted: How many it leaves out.
+    """
+
+    text: str
+    told: tuple[int, ...]
+    omitted: int
+
+
+def retell(snapshot: MemorySnapshot, budget: TextBudget) -> MemoryText:
+    """A snapshot in words, by another budget than that of its own text; see `describe`."""
+    parts = (snapshot.nodes, snapshot.edges, snapshot.current, snapshot.history)
+    return _tell(*parts, budget, snapshot.shown)
+
+
 def describe(
     nodes: Sequence[NodeView],
     edges: Sequence[EdgeView],
@@ -62,6 +84,17 @@ def describe(
         budget: Limits.
         shown: Attributes to mention; the others are ablated (Table III).
     """
+    return _tell(nodes, edges, current, history, budget, shown).text
+
+
+def _tell(
+    nodes: Sequence[NodeView],
+    edges: Sequence[EdgeView],
+    current: int,
+    history: Sequence[int],
+    budget: TextBudget,
+    shown: frozenset[NodeAttribute],
+) -> MemoryText:
     floors = len({node.floor for node in nodes})
     places = _Places(
         links=_links_by_node(edges),
@@ -84,7 +117,7 @@ def describe(
         text = "\n".join([*parts, route])
         if len(text) <= budget.max_characters:
             break
-    return text
+    return MemoryText(text, tuple(sorted(order[:kept])), len(nodes) - kept)
 
 
 def clean_name(name: str) -> str:

@@ -16,6 +16,7 @@ from toponav.registry import Registry
 if TYPE_CHECKING:
     from toponav.perception.sightings import SightLog
     from toponav.reasoning.config import ReasoningConfig
+    from toponav.reasoning.vlm.access import ModelAccess
 
 
 @dataclass(frozen=True)
@@ -111,11 +112,13 @@ class ReasonerContext:
         sights: What the agent's images truly show, for reasoners that stand for a real model; None
             where there is no ground truth.
         seed: Of the episode.
+        access: Ledger, cache and recording for reasoners that ask a model; None keeps nothing.
     """
 
     config: ReasoningConfig
     sights: SightLog | None = None
     seed: int = 0
+    access: ModelAccess | None = None
 
 
 ReasonerFactory = Callable[[ReasonerContext], Reasoner]

@@ -7,6 +7,7 @@ from pydantic import Field
 from toponav.config_model import ConfigModel
 from toponav.reasoning.noisy import NoisyReasonerConfig
 from toponav.reasoning.prior import PriorConfig
+from toponav.reasoning.vlm.config import VlmConfig
 
 
 class ReasoningConfig(ConfigModel):
@@ -17,3 +18,14 @@ class ReasoningConfig(ConfigModel):
 
     noisy: NoisyReasonerConfig = Field(default_factory=NoisyReasonerConfig)
     """The prior with a model's errors of sight."""
+
+    openai: VlmConfig = Field(default_factory=VlmConfig)
+    """A model behind any OpenAI-compatible server."""
+
+
+def reasoning_preset(name: str) -> ReasoningConfig:
+    """The reasoners of a preset: `paper` asks for the room's type in a call of its own."""
+    config = ReasoningConfig()
+    prompt = config.openai.prompt.model_copy(update={"two_calls": name == "paper"})
+    openai = config.openai.model_copy(update={"prompt": prompt})
+    return config.model_copy(update={"openai": openai})
