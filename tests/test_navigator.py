@@ -20,7 +20,7 @@ from toponav.navigator import Navigator
 from toponav.perception import OracleDetector
 from toponav.policy.affordances import Phase
 from toponav.policy.decision import Decision
-from toponav.reasoning import PriorReasoner
+from toponav.reasoning import Guidance, PriorReasoner, Query, Reasoner
 from toponav.types import Action, Observation
 
 TOILET, TV = 0, 1
@@ -56,12 +56,16 @@ def small_env() -> HouseEnv:
 
 
 def search(
-    config: NavigatorConfig, episode: int = TV, goal: str | None = None, max_steps: int = 200
+    config: NavigatorConfig,
+    episode: int = TV,
+    goal: str | None = None,
+    max_steps: int = 200,
+    reasoner: Reasoner | None = None,
 ) -> Walk:
     """Look for `goal` from where an episode starts; by default for what the episode asks for."""
     env, own = small_env(), small_scene().episodes[episode]
     walk = Walk()
-    agent = Navigator(OracleDetector(env.oracle), PriorReasoner(), config, walk)
+    agent = Navigator(OracleDetector(env.oracle), reasoner or PriorReasoner(), config, walk)
     env.reset(seed=0, options={"target": own.target, "start": (*own.start, own.yaw)})
     agent.reset(goal or own.target)
     while len(walk.actions) < max_steps:
@@ -240,3 +244,48 @@ def test_an_affordance_without_weight_does_not_count(term: str) -> None:
 def test_goals_are_taken_by_any_of_their_names() -> None:
     by_name = search(small_config().navigator, TV, goal="TV monitor", max_steps=30)
     assert by_name.actions == found("paper", TV).actions[:30]
+
+
+def late_by(latency_s: float, preset: str = "paper") -> NavigatorConfig:
+    """Answers come so long after the question, while the agent walks on; a step takes a second."""
+    overrides = {
+        "navigator.counsel.mode": "simulated",
+        "navigator.counsel.latency_s": str(latency_s),
+    }
+    return small_config(preset=preset, overrides=overrides).navigator
+
+
+class Denier(PriorReasoner):
+    """Has never seen the target."""
+
+    def decide(self, query: Query) -> Guidance:
+        return super().decide(query).model_copy(update={"target_found": False, "reason": "no"})
+
+
+@every_search
+def test_late_answers_that_agree_with_the_stand_in_change_nothing(
+    preset: str, episode: int
+) -> None:
+    late = search(late_by(8.0, preset), episode)
+    waits = len(late.actions) - len(found(preset, episode).actions)
+    assert 0 <= waits <= 8  # before the stop alone
+    assert late.actions[: -waits - 1] == found(preset, episode).actions[:-1]
+    assert late.actions[-1] is Action.STOP
+
+
+def test_an_answer_that_comes_at_once_changes_nothing() -> None:
+    assert search(late_by(0.0), TV).actions == found("paper", TV).actions
+
+
+def test_it_does_not_stop_before_the_reasoner_has_had_its_say() -> None:
+    walk = search(late_by(40.0), TV, reasoner=Denier(), max_steps=400)
+    assert Action.STOP not in walk.actions
+    said = [decision.guidance.reason for decision in walk.decisions if decision.guidance]
+    assert "no" in said
+    phases = {decision.phase for decision in walk.decisions}
+    assert phases == {Phase.EXPLORATION, Phase.TARGET_ACQUISITION}  # the stand-in's, taken back
+
+
+def test_an_answer_to_a_question_that_is_over_is_not_heard() -> None:
+    walk = search(late_by(1000.0), TV, reasoner=Denier(), max_steps=120)
+    assert all(decision.guidance.reason != "no" for decision in walk.decisions if decision.guidance)

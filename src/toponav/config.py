@@ -18,6 +18,7 @@ from toponav.mapping.semantic_map import MapConfig
 from toponav.memory.builder import MemoryConfig
 from toponav.policy.affordances import AffordanceConfig
 from toponav.policy.goal import GoalConfig
+from toponav.reasoning.counsel import CounselConfig
 from toponav.reasoning.panorama import PanoramaConfig
 
 Preset = Literal["paper", "default"]
@@ -35,6 +36,9 @@ class NavigatorConfig(ConfigModel):
 
     panorama: PanoramaConfig = Field(default_factory=PanoramaConfig)
     """The views of a decision."""
+
+    counsel: CounselConfig = Field(default_factory=CounselConfig)
+    """Whether the agent waits for its reasoner."""
 
     affordances: AffordanceConfig = Field(default_factory=AffordanceConfig)
     """Section III-E."""

@@ -6,6 +6,8 @@ order; each line calls the room of that name.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,6 +17,7 @@ from toponav.control.locomotion import Locomotion
 from toponav.control.planner import CostField
 from toponav.control.recovery import BarrenWaypoints
 from toponav.control.vantage import vantage_point
+from toponav.geometry import Pose
 from toponav.mapping.semantic_map import SemanticMap
 from toponav.mapping.view import MapView
 from toponav.memory.builder import MemoryBuilder
@@ -25,9 +28,19 @@ from toponav.policy.goal import GoalTracker
 from toponav.policy.odometry import Odometry
 from toponav.policy.waypoints import select_waypoint
 from toponav.reasoning.base import Query, Reasoner
+from toponav.reasoning.counsel import Counsel, Waiting, counsel
 from toponav.reasoning.panorama import Panorama
+from toponav.reasoning.prior import PriorReasoner
 from toponav.reasoning.schema import Guidance
 from toponav.types import Action, Detections, Observation
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """The last question to the reasoner, and where the camera was when it was asked."""
+
+    query: Query
+    world_from_camera: Pose
 
 
 class Navigator:
@@ -51,6 +64,7 @@ class Navigator:
         self.config = config or NavigatorConfig()
         self._detector = detector
         self._reasoner = reasoner
+        self._counsel: Counsel = Waiting(reasoner)
         self._listener = listener or Listeners()
         self.reset("")
 
@@ -69,6 +83,8 @@ class Navigator:
         self._phase = Phase.EXPLORATION
         self._waypoint: NDArray[np.float64] | None = None
         self._decisions = 0
+        self._counsel.close()
+        self._counsel = counsel(self._reasoner, PriorReasoner(), config.counsel)
 
     def act(self, observation: Observation) -> Action:
         """The next action: one more view of the panorama, a step of the path, or stop."""
@@ -85,6 +101,8 @@ class Navigator:
             self._panorama.begin(views=1)
             self._panorama.add(observation, detections, update)
             self._decide(observation, view)
+        else:
+            self._heed(observation, view)
         action = self._walk(observation, view)
         if action is None:  # at the waypoint, or as near as one gets: look around anew
             self._panorama.begin()
@@ -95,6 +113,7 @@ class Navigator:
     def close(self) -> None:
         """Tell the listener that the episode is over."""
         view = self._map.view() if self._odometry.started else None
+        self._counsel.close()
         self._listener.on_close(view, self._memory.memory)
 
     def _decide(self, observation: Observation, view: MapView) -> None:
@@ -105,12 +124,30 @@ class Navigator:
         )
         self._odometry.arrive()
         self._memory.refresh(view)
-        panorama = self._panorama.views(view)
-        snapshot = self._memory.snapshot(node)
-        guidance = self._reasoner.decide(Query(self._target, snapshot, panorama))
-        self._memory.set_room(node, guidance.room_type)
-        chosen = panorama[guidance.direction]
-        self._goal.point(view, observation.world_from_camera, chosen.bearing)
+        query = Query(self._target, self._memory.snapshot(node), self._panorama.views(view))
+        guidance = self._counsel.ask(query, observation.timestamp_s)
+        self._asked = Asked(query, observation.world_from_camera)
+        self._follow(guidance, observation, view, reach)
+
+    def _heed(self, observation: Observation, view: MapView) -> None:
+        """Change course if the reasoner's own answer to the last question has come on the way."""
+        guidance = self._counsel.late(observation.timestamp_s)
+        if guidance is None:
+            return
+        if guidance.steers_as(self._guidance):
+            self._memory.set_room(self._asked.query.memory.current, guidance.room_type)
+            return
+        reach = self._locomotion.reach(observation, view.grid)
+        self._follow(guidance, observation, view, reach)
+
+    def _follow(
+        self, guidance: Guidance, observation: Observation, view: MapView, reach: CostField
+    ) -> None:
+        """Choose p_target by the guidance on the last question, and set out for it."""
+        query, self._guidance = self._asked.query, guidance
+        self._memory.set_room(query.memory.current, guidance.room_type)
+        chosen = query.panorama[guidance.direction]
+        self._goal.point(view, self._asked.world_from_camera, chosen.bearing)
         # The paper's condition: g_found = 1 and T_target in O; anything else explores on.
         acquiring = self._goal.recognised(guidance.target_found, view, self._target)
         self._phase = Phase.TARGET_ACQUISITION if acquiring else Phase.EXPLORATION
@@ -128,10 +165,10 @@ class Navigator:
                 waypoint=self._waypoint,
                 path=path,
                 map_view=view,
-                memory=snapshot,
+                memory=query.memory,
                 guidance=guidance,
                 affordances=affordances,
-                panorama=panorama,
+                panorama=query.panorama,
             )
         )
         self._decisions += 1
@@ -155,19 +192,23 @@ class Navigator:
     def _walk(self, observation: Observation, view: MapView) -> Action | None:
         """A turn or step towards p_target, stop at the target; None when the walk has ended."""
         if self._waypoint is None:
-            return Action.STOP  # nothing left that can be reached: the search is over
+            return self._stop()  # nothing left that can be reached: the search is over
         acquiring = self._phase is Phase.TARGET_ACQUISITION
         eye = observation.world_from_camera
         if acquiring and self._goal.reached(eye, view, self._target):
-            return Action.STOP
+            return self._stop()
         action = self._locomotion.next_action(observation, view.grid)
         if action is None and acquiring:
             action = self._close_in(observation, view)
             if action is None and self._goal.reached(eye, view, self._target, walk_ended=True):
-                return Action.STOP
+                return self._stop()
         if action is None:  # do not choose the same spot again without having learnt anything
             self._barren.add(self._waypoint, self._decisions)
         return action
+
+    def _stop(self) -> Action:
+        """The end of the search, but not before the reasoner has had its say."""
+        return Action.TURN_LEFT if self._counsel.pending else Action.STOP
 
     def _close_in(self, observation: Observation, view: MapView) -> Action | None:
         """The last metre, where A_dir + A_sem peaks short of the target: go where it is seen."""

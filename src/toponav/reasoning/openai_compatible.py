@@ -277,15 +277,32 @@ def key_of(config: VlmConfig) -> str:
 
 
 @cache
-def _endpoint(config: VlmConfig, key: str) -> Endpoint:
+def _endpoint(config: VlmConfig, key: str) -> tuple[Endpoint, OpenAiChat]:
     """One server and its state a process, whatever the number of episodes."""
-    return Endpoint(OpenAiChat(config, key), CircuitBreaker(config.breaker, time.monotonic))
+    chat = OpenAiChat(config, key)
+    return Endpoint(chat, CircuitBreaker(config.breaker, time.monotonic)), chat
+
+
+def connect(
+    config: VlmConfig, access: ModelAccess, seed: int = 0
+) -> tuple[ModelClient, OpenAiChat]:
+    """A client of the configured server; nothing is sent yet.
+
+    Args:
+        config: Which model, and how it is asked.
+        access: Ledger, cache and recording.
+        seed: Draws the waits between requests.
+
+    Raises:
+        InputError: There is no key in the environment, and the server is not one's own.
+    """
+    key = NO_KEY if access.replay is not None else key_of(config)
+    endpoint, chat = _endpoint(config, key)
+    return ModelClient(endpoint, config, access, seed), chat
 
 
 @reasoners.register(NAME)
 def _openai(context: ReasonerContext) -> Reasoner:
     config = context.config.openai
-    access = context.access or ModelAccess()
-    key = NO_KEY if access.replay is not None else key_of(config)
-    client = ModelClient(_endpoint(config, key), config, access, context.seed)
+    client, _ = connect(config, context.access or ModelAccess(), context.seed)
     return FallbackReasoner(VlmReasoner(client, config.prompt), PriorReasoner(context.config.prior))

@@ -24,3 +24,11 @@ class Guidance(BaseModel):
 
     reason: str = ""
     """One sentence for people."""
+
+    def steers_as(self, other: Guidance) -> bool:
+        """Whether both lead the same way, whatever they call the room and their reasons."""
+        return (self.node_id, self.direction, self.target_found) == (
+            other.node_id,
+            other.direction,
+            other.target_found,
+        )

@@ -14,25 +14,35 @@ class Replay:
     """What was recorded of one episode, by prompt."""
 
     def __init__(self, path: Path) -> None:
-        """Read a log that `CallLog` wrote; a last line that a kill cut short is left out.
-
-        An episode without a log asked nothing.
+        """Take a log that `CallLog` wrote; an episode without one asked nothing.
 
         Raises:
-            InputError: A line is no exchange.
+            InputError: As `read_exchanges`.
         """
-        text = path.read_text(encoding="utf-8") if path.exists() else ""
         self._exchanges: defaultdict[str, deque[Exchange]] = defaultdict(deque)
-        for number, line in enumerate(text.split("\n")[:-1], start=1):
-            exchange = _exchange(line)
-            if exchange is None:
-                raise InputError(f"{path}, line {number}: not a recorded exchange with a model")
+        for exchange in read_exchanges(path) if path.exists() else ():
             self._exchanges[exchange.digest].append(exchange)
 
     def next(self, digest: str) -> Exchange | None:
         """What came of this prompt the next time it was asked; None if it was not."""
         waiting = self._exchanges[digest]
         return waiting.popleft() if waiting else None
+
+
+def read_exchanges(path: Path) -> list[Exchange]:
+    """The exchanges of a log, in order; a last line that a kill cut short is left out.
+
+    Raises:
+        InputError: A line is no exchange.
+    """
+    lines = path.read_text(encoding="utf-8").split("\n")[:-1]
+    exchanges = []
+    for number, line in enumerate(lines, start=1):
+        exchange = _exchange(line)
+        if exchange is None:
+            raise InputError(f"{path}, line {number}: not a recorded exchange with a model")
+        exchanges.append(exchange)
+    return exchanges
 
 
 def _exchange(line: str) -> Exchange | None:
