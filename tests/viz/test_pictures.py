@@ -12,7 +12,8 @@ from toponav.mapping.view import FREE, OCCUPIED, MapView, OccupancyGrid, PointCl
 from toponav.memory.graph import TopologicalMemory
 from toponav.reasoning.base import PanoramaView, SeenObject
 from toponav.reasoning.schema import Guidance
-from toponav.viz.panorama import CAPTION_HEIGHT, CHOSEN, VIEW_WIDTH, draw_panorama, save_panorama
+from toponav.reasoning.vlm.panorama_sheet import SheetLayout
+from toponav.viz.panorama import CHOSEN, VERDICT_HEIGHT, VIEW_WIDTH, draw_panorama, save_panorama
 from toponav.viz.topdown import TopDownPicture, draw_topdown, save_topdown
 
 
@@ -87,10 +88,10 @@ def view(color: int) -> PanoramaView:
 def test_the_panorama_marks_the_chosen_view() -> None:
     guidance = Guidance(node_id=1, direction=1, target_found=False, room_type="office")
     sheet = draw_panorama([view(10), view(20), view(30)], guidance, "bed")
-    middle = VIEW_WIDTH + VIEW_WIDTH // 2
-    assert sheet.getpixel((middle, 1)) == CHOSEN
-    assert sheet.getpixel((VIEW_WIDTH // 2, 1)) != CHOSEN
-    assert sheet.size == (3 * VIEW_WIDTH, 180 + 2 * CAPTION_HEIGHT)
+    layout = SheetLayout(count=3, width=VIEW_WIDTH, height=180, lines=2)
+    tops = [sheet.getpixel((left + VIEW_WIDTH // 2, 1)) for left, _ in map(layout.corner, range(3))]
+    assert [top == CHOSEN for top in tops] == [False, True, False]
+    assert sheet.size == (layout.size[0], layout.size[1] + VERDICT_HEIGHT)
 
 
 def test_a_label_is_drawn_not_interpreted(tmp_path: Path) -> None:

@@ -12,14 +12,12 @@ from toponav.categories import readable
 from toponav.files import temporary_beside
 from toponav.reasoning.base import PanoramaView
 from toponav.reasoning.schema import Guidance
+from toponav.reasoning.vlm.panorama_sheet import FONT_SIZE, PAPER, compose_sheet, sheet_layout
 
 VIEW_WIDTH = 240
-"""Pixels a view; a 12-view panorama is then 960 pixels wide."""
-COLUMNS = 4
-CAPTION_HEIGHT = 34
+"""Pixels a view; a 12-view panorama is then nearly 1000 pixels wide."""
+VERDICT_HEIGHT = 34
 CHOSEN = (224, 49, 49)
-INK = (33, 37, 41)
-PAPER = (255, 255, 255)
 MAX_LABELS = 5
 
 
@@ -37,26 +35,20 @@ def draw_panorama(
     views: Sequence[PanoramaView], guidance: Guidance | None, target: str
 ) -> Image.Image:
     """The composed image; `views` is not empty."""
-    height, width = views[0].image.shape[:2]
-    view_height = round(VIEW_WIDTH * height / width)
-    columns = min(COLUMNS, len(views))
-    rows = math.ceil(len(views) / columns)
-    cell_height = view_height + CAPTION_HEIGHT
-    sheet = Image.new("RGB", (columns * VIEW_WIDTH, rows * cell_height + CAPTION_HEIGHT), PAPER)
-    draw = ImageDraw.Draw(sheet)
-    font = ImageFont.load_default(size=12)
-    for index, view in enumerate(views):
-        left, top = index % columns * VIEW_WIDTH, index // columns * cell_height
-        thumbnail = Image.fromarray(view.image).resize((VIEW_WIDTH, view_height))
-        sheet.paste(thumbnail, (left, top))
-        chosen = guidance is not None and guidance.direction == index
-        box = (left, top, left + VIEW_WIDTH - 1, top + view_height - 1)
-        draw.rectangle(box, outline=CHOSEN if chosen else PAPER, width=4 if chosen else 1)
-        caption, seen = _caption(index, view)
-        draw.text((left + 4, top + view_height + 2), caption, fill=INK, font=font)
-        draw.text((left + 4, top + view_height + 17), seen, fill=INK, font=font)
-    draw.text((4, rows * cell_height + 8), _verdict(guidance, target), fill=CHOSEN, font=font)
-    return sheet
+    images = [view.image for view in views]
+    captions = [_caption(index, view) for index, view in enumerate(views)]
+    sheet = compose_sheet(images, captions, VIEW_WIDTH)
+    page = Image.new("RGB", (sheet.width, sheet.height + VERDICT_HEIGHT), PAPER)
+    page.paste(sheet, (0, 0))
+    draw = ImageDraw.Draw(page)
+    if guidance is not None:
+        layout = sheet_layout(images, captions, VIEW_WIDTH)
+        left, top = layout.corner(guidance.direction)
+        box = (left, top, left + layout.width - 1, top + layout.height - 1)
+        draw.rectangle(box, outline=CHOSEN, width=4)
+    font = ImageFont.load_default(size=FONT_SIZE)
+    draw.text((4, sheet.height + 8), _verdict(guidance, target), fill=CHOSEN, font=font)
+    return page
 
 
 def _caption(index: int, view: PanoramaView) -> tuple[str, str]:

@@ -15,6 +15,7 @@ from queries import large_query, small_query
 from toponav.reasoning.base import SeenObject
 from toponav.reasoning.vlm.affinity_prompt import affinity_prompt
 from toponav.reasoning.vlm.guidance_prompt import guidance_prompt, panorama_image, room_prompt
+from toponav.reasoning.vlm.panorama_sheet import SheetLayout
 from toponav.reasoning.vlm.prompt import ImagePart, Prompt, PromptConfig
 from toponav.reasoning.vlm.tokens import image_tokens, text_tokens
 
@@ -117,8 +118,10 @@ def test_the_same_question_has_the_same_digest_and_another_pixel_another() -> No
 def test_the_sheet_shows_every_view_in_order() -> None:
     query = large_query()
     sheet = panorama_image(query.panorama, PromptConfig(view_width=80)).image
-    assert sheet.shape[1] == 4 * 80
-    rows = np.array([sheet[10 + k // 4 * sheet.shape[0] // 3, 40 + k % 4 * 80] for k in range(12)])
+    layout = SheetLayout(count=12, width=80, height=60, lines=1)
+    assert sheet.shape[1::-1] == layout.size
+    corners = [layout.corner(k) for k in range(12)]
+    rows = np.array([sheet[top + 10, left + 40] for left, top in corners])
     shades = [seen.image[0, 0] for seen in query.panorama]
     np.testing.assert_array_equal(rows, shades)
 

@@ -40,8 +40,8 @@ likely to be, much is still unseen, and the way is short. A frontier is where kn
 the unknown; a place with none is searched."""
 ROOM_TASK = "- room_type: the type of the room in which the robot stands, such as kitchen.\n"
 VIEWS = """\
-Views, taken while turning on the spot. Bearings and positions share one frame: 0 degrees is \
-along x, 90 along y."""
+Views, taken while turning on the spot; each looks further to the left than the one before. \
+Bearings and positions share one frame: 0 degrees is along x, 90 along y."""
 NO_IMAGES = "There are no images: judge by what the detector reports."
 
 

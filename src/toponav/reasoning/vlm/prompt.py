@@ -27,7 +27,9 @@ Answer with one JSON object that follows the given schema, and nothing else."""
 """Said before every question."""
 
 
-ANSWER_ORDER = ("reason", "room_type", "target_found", "direction", "node_id", "likelihoods")
+ANSWER_ORDER = (
+    "reason", "room_type", "target_found", "is_target", "direction", "node_id", "likelihoods",
+)  # fmt: skip
 """Fields of answers in the order in which they are given: a model thinks before it decides."""
 
 
