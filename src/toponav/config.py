@@ -58,7 +58,7 @@ class NavigatorConfig(ConfigModel):
 
 _PRESETS: dict[str, dict[str, Any]] = {
     "paper": {},
-    "default": {"decide_on_sight": True},
+    "default": {"decide_on_sight": True, "goal": {"evidence": {}}},
 }
 
 

@@ -16,7 +16,7 @@ from toponav.config import NavigatorConfig
 from toponav.control.locomotion import Locomotion
 from toponav.control.planner import CostField
 from toponav.control.recovery import BarrenWaypoints
-from toponav.control.vantage import vantage_point
+from toponav.control.vantage import further_look, vantage_point
 from toponav.geometry import Pose
 from toponav.mapping.semantic_map import SemanticMap
 from toponav.mapping.view import MapView
@@ -82,6 +82,7 @@ class Navigator:
         self._odometry = Odometry()
         self._phase = Phase.EXPLORATION
         self._waypoint: NDArray[np.float64] | None = None
+        self._looking_again = False
         self._decisions = 0
         self._counsel.close()
         self._counsel = counsel(self._reasoner, PriorReasoner(), config.counsel)
@@ -90,6 +91,7 @@ class Navigator:
         """The next action: one more view of the panorama, a step of the path, or stop."""
         detections = self._detector.detect(observation.rgb, self._vocabulary)
         update = self._map.integrate(observation, detections)  # Section III-C
+        self._goal.observe(observation, detections, self._target)
         self._odometry.add(observation)
         self._locomotion.observe(observation)
         view = self._map.view()
@@ -97,7 +99,7 @@ class Navigator:
             if self._panorama.add(observation, detections, update):
                 return Action.TURN_LEFT
             self._decide(observation, view)
-        elif self._sights_target(detections, view):
+        elif self._sights_target(detections, view) or self._lost_target(view):
             self._panorama.begin(views=1)
             self._panorama.add(observation, detections, update)
             self._decide(observation, view)
@@ -149,6 +151,7 @@ class Navigator:
         chosen = query.panorama[guidance.direction]
         self._goal.point(view, self._asked.world_from_camera, chosen.bearing)
         # The paper's condition: g_found = 1 and T_target in O; anything else explores on.
+        self._looking_again = False
         acquiring = self._goal.recognised(guidance.target_found, view, self._target)
         self._phase = Phase.TARGET_ACQUISITION if acquiring else Phase.EXPLORATION
         affordances = self._affordances(view, guidance)
@@ -194,17 +197,64 @@ class Navigator:
         if self._waypoint is None:
             return self._stop()  # nothing left that can be reached: the search is over
         acquiring = self._phase is Phase.TARGET_ACQUISITION
-        eye = observation.world_from_camera
-        if acquiring and self._goal.reached(eye, view, self._target):
-            return self._stop()
+        if acquiring and not self._looking_again and self._at_target(observation, view):
+            return self._conclude(observation, view)
         action = self._locomotion.next_action(observation, view.grid)
+        if action is None and self._looking_again:
+            return self._look_again(observation, view)
         if action is None and acquiring:
             action = self._close_in(observation, view)
-            if action is None and self._goal.reached(eye, view, self._target, walk_ended=True):
-                return self._stop()
+            if action is None and self._at_target(observation, view, walk_ended=True):
+                return self._conclude(observation, view)
         if action is None:  # do not choose the same spot again without having learnt anything
             self._barren.add(self._waypoint, self._decisions)
         return action
+
+    def _at_target(
+        self, observation: Observation, view: MapView, *, walk_ended: bool = False
+    ) -> bool:
+        """Whether this is near enough to stop."""
+        eye = observation.world_from_camera
+        return self._goal.reached(eye, view, self._target, walk_ended=walk_ended)
+
+    def _conclude(self, observation: Observation, view: MapView) -> Action | None:
+        """At what may be the target: stop, or look at it from a further side, or turn away."""
+        if not self._goal.accepted:
+            spot = self._further_side(observation, view)
+            if spot is not None:
+                self._goal.look_again()
+                self._looking_again = True
+                self._waypoint = spot
+                self._locomotion.go_to(spot)
+                action = self._locomotion.next_action(observation, view.grid)
+                return self._look_again(observation, view) if action is None else action
+            if not self._goal.judge():
+                self._phase = Phase.EXPLORATION
+                return None
+        if self._at_target(observation, view):
+            return self._stop()
+        action = self._close_in(observation, view)
+        if action is None and self._at_target(observation, view, walk_ended=True):
+            return self._stop()
+        return action
+
+    def _further_side(self, observation: Observation, view: MapView) -> NDArray[np.float64] | None:
+        """Where to look at the candidate from next; None when it has been looked at enough."""
+        if not self._goal.wants_another_look():
+            return None
+        reach = self._locomotion.reach(observation, view.grid)
+        height = observation.world_from_camera.translation[2] - view.floor_z
+        return further_look(self._goal, self._target, view, reach, height)
+
+    def _look_again(self, observation: Observation, view: MapView) -> Action | None:
+        """Face the candidate from a further side; then conclude anew."""
+        candidate = self._goal.candidate
+        if candidate is not None:
+            action = self._locomotion.face(observation, candidate.center[:2])
+            if action is not None:
+                return action
+        self._looking_again = False
+        return self._conclude(observation, view)
 
     def _stop(self) -> Action:
         """The end of the search, but not before the reasoner has had its say."""
@@ -224,6 +274,12 @@ class Navigator:
         self._waypoint = vantage
         self._locomotion.go_to(vantage)
         return self._locomotion.next_action(observation, view.grid)
+
+    def _lost_target(self, view: MapView) -> bool:
+        """Whether what was gone to has turned out to be something else."""
+        weighs = self.config.goal.evidence is not None
+        acquiring = self._phase is Phase.TARGET_ACQUISITION
+        return weighs and acquiring and not self._goal.is_mapped(view, self._target)
 
     def _sights_target(self, detections: Detections, view: MapView) -> bool:
         """Whether the target has just come into view on the way (preset `default`)."""

@@ -49,7 +49,8 @@ class MappedSearch(ABC):
         self._target = canonical(goal)
         self._vocabulary = self._wanted_categories()
         self._map = SemanticMap(self._config.map)
-        self._goal = GoalTracker(self._goal_config(self._config.goal))
+        plain = self._config.goal.model_copy(update={"evidence": None})
+        self._goal = GoalTracker(self._goal_config(plain))
         self._locomotion = Locomotion(self._config.locomotion)
         self._barren = BarrenWaypoints(self._config.locomotion.recovery)
         self._phase = Phase.EXPLORATION

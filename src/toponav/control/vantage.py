@@ -15,6 +15,10 @@ MARGIN_M = 0.2
 """A walk ends up to `LocomotionConfig.arrival_m` short of the spot; it still has to be near enough
 to stop there."""
 
+LOOK_M = (1.2, 2.4)
+"""Another look is taken from between these distances, metres: nearer, the camera looks over low
+things."""
+
 MAX_TRIED = 200
 """Spots checked for sight, the best first."""
 
@@ -56,4 +60,41 @@ def vantage_point(
     for (x, y), limit_m in zip(spots[tried], limit[tried], strict=True):
         if sight.within_reach((x, y, view.floor_z + eye_height_m), limit_m):
             return np.array([x, y, view.floor_z])
+    return None
+
+
+def further_look(
+    goal: GoalTracker, target: str, view: MapView, reach: CostField, eye_height_m: float
+) -> NDArray[np.float64] | None:
+    """The spot, cheapest to reach, that shows a candidate from a side not yet looked from.
+
+    Args:
+        goal: Knows the candidate, and from where it has been looked at.
+        target: What is looked for.
+        view: The map.
+        reach: Cost of walking from the agent to every cell.
+        eye_height_m: Height of the camera above the floor, metres.
+
+    Returns:
+        (3,) on the floor, world frame, metres; None if there is none.
+    """
+    points = goal.points(view, target)
+    cells = np.argwhere(np.isfinite(reach.cost))
+    if not len(cells) or not len(points):
+        return None
+    spots = reach.clearance.grid.center_of(cells)
+    distance, _ = cKDTree(points[:, :2]).query(spots)
+    nearest, farthest = LOOK_M
+    ring = np.flatnonzero((distance >= nearest) & (distance <= farthest))
+    cost = reach.cost[cells[ring, 0], cells[ring, 1]]
+    sight = TargetSight(points, view.scene.points, farthest, goal.config.sight)
+    tried = 0
+    for spot in spots[ring[np.argsort(cost, kind="stable")]]:
+        if goal.looked_from(spot):
+            continue
+        if sight.within_reach((*spot, view.floor_z + eye_height_m), farthest):
+            return np.array([*spot, view.floor_z])
+        tried += 1
+        if tried == MAX_TRIED:
+            return None
     return None

@@ -13,7 +13,9 @@ from scipy.spatial import cKDTree
 from toponav.config_model import ConfigModel
 from toponav.geometry import Pose
 from toponav.mapping.view import MapView
+from toponav.policy.evidence import Candidate, EvidenceConfig, TargetEvidence
 from toponav.policy.sight import Metres, SightConfig, TargetSight
+from toponav.types import Detections, Observation
 
 
 class GoalConfig(ConfigModel):
@@ -57,17 +59,72 @@ class GoalConfig(ConfigModel):
     sight: SightConfig = Field(default_factory=SightConfig)
     """What hides the target."""
 
+    evidence: EvidenceConfig | None = None
+    """Weigh what speaks for and against each candidate; without it, as in the paper, whatever the
+    map holds under the target's name is the target."""
+
 
 class GoalTracker:
     """Answers for S_sem, the target's part of the map.
 
-    Its only state is where the reasoner has pointed, for the ablation without a detector.
+    Without evidence its only state is where the reasoner has pointed, for the ablation without a
+    detector; with it, the candidates and which of them is gone to.
     """
 
     def __init__(self, config: GoalConfig) -> None:
         """Take the thresholds."""
         self.config = config
         self._pointed = np.zeros((0, 3), dtype=np.float32)
+        self._evidence: TargetEvidence | None = None
+        self._chosen: Candidate | None = None
+
+    def observe(self, observation: Observation, detections: Detections, target: str) -> None:
+        """Take the evidence of one frame."""
+        if self.config.evidence is None:
+            return
+        if self._evidence is None:
+            self._evidence = TargetEvidence(self.config.evidence, target)
+        self._evidence.observe(observation, detections)
+
+    @property
+    def candidate(self) -> Candidate | None:
+        """The candidate that is gone to; None without any, or without evidence."""
+        return self._chosen
+
+    def wants_another_look(self) -> bool:
+        """Whether what is gone to is to be looked at from a further side before a verdict."""
+        config, chosen = self.config.evidence, self._chosen
+        return config is not None and chosen is not None and chosen.returns < config.looks
+
+    def look_again(self) -> None:
+        """Note that what is gone to is looked at once more."""
+        if self._chosen is not None:
+            self._chosen.returns += 1
+
+    def looked_from(self, eye: NDArray[np.float64]) -> bool:
+        """Whether what is gone to has been looked at from nearby and from the side of an eye."""
+        if self._evidence is None or self._chosen is None:
+            return True
+        return self._evidence.side_of(self._chosen, eye) in self._evidence.near_sides(self._chosen)
+
+    def judge(self) -> bool:
+        """The verdict where no further side can be looked at: whether it is the target."""
+        if self.config.evidence is None or self._evidence is None or self._chosen is None:
+            return True
+        if self._chosen.log_odds(self.config.evidence) >= self.config.evidence.probable:
+            self._evidence.accept(self._chosen)
+            return True
+        self._evidence.reject(self._chosen)
+        self._chosen = None
+        return False
+
+    @property
+    def accepted(self) -> bool:
+        """Whether what is gone to is the target, as far as can be told; always without evidence."""
+        if self.config.evidence is None:
+            return True
+        odds = -math.inf if self._chosen is None else self._chosen.log_odds(self.config.evidence)
+        return odds >= self.config.evidence.accept
 
     def recognised(self, target_found: bool, view: MapView, target: str) -> bool:
         """Whether to acquire the target: g_found = 1 and T_target in O, or the one that is asked.
@@ -78,7 +135,7 @@ class GoalTracker:
             target: What is looked for.
         """
         asked = self.config.recognition
-        by_reasoner = target_found or asked == "detector"
+        by_reasoner = target_found or asked == "detector" or self.config.evidence is not None
         return by_reasoner and self.is_mapped(view, target)
 
     def point(self, view: MapView, eye: Pose, bearing: float) -> None:
@@ -103,6 +160,8 @@ class GoalTracker:
         config = self.config
         if config.recognition == "reasoner":
             return self._pointed
+        if self.config.evidence is not None:
+            return self._candidate_points(self.config.evidence, view)
         cloud = view.objects.get(target)
         if cloud is None:
             return np.zeros((0, 3), dtype=np.float32)
@@ -139,6 +198,28 @@ class GoalTracker:
             return False  # sight need not be looked into
         sight = TargetSight(points, view.scene.points, limit, self.config.sight)
         return sight.within_reach(here, limit)
+
+    def _candidate_points(self, config: EvidenceConfig, view: MapView) -> NDArray[np.float32]:
+        """Those of the candidate that is gone to: it stays the same while it is a lead."""
+        leads = [] if self._evidence is None else self._evidence.leads()
+        here = [lead for lead in leads if len(self._on_storey(lead, config, view))]
+        sure = [lead for lead in here if lead.log_odds(config) >= config.accept]
+        if self._chosen not in here or (sure and self._chosen not in sure):
+            self._chosen = here[0] if here else None
+        if self._chosen is None:
+            return np.zeros((0, 3), dtype=np.float32)
+        return self._on_storey(self._chosen, config, view)
+
+    def _on_storey(
+        self, candidate: Candidate, config: EvidenceConfig, view: MapView
+    ) -> NDArray[np.float32]:
+        """(N, 3) a candidate's points within the current storey; none where they are too few."""
+        points = candidate.own_points(config)
+        height = points[:, 2] - view.floor_z
+        low = -self.config.depth_below_floor_m
+        inside = points[(height > low) & (height < self.config.max_height_m)]
+        enough = len(inside) >= self.config.min_points
+        return (inside if enough else inside[:0]).astype(np.float32)
 
     def _dense(self, points: NDArray[np.float32]) -> NDArray[np.float32]:
         """The points with enough others around them."""
