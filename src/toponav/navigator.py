@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from toponav.categories import canonical
 from toponav.config import NavigatorConfig
-from toponav.control.locomotion import Locomotion
+from toponav.control.locomotion import Locomotion, Progress
 from toponav.control.planner import CostField
 from toponav.control.recovery import BarrenWaypoints
 from toponav.control.vantage import further_look, vantage_point
@@ -33,6 +33,9 @@ from toponav.reasoning.panorama import Panorama
 from toponav.reasoning.prior import PriorReasoner
 from toponav.reasoning.schema import Guidance
 from toponav.types import Action, Detections, Observation
+
+LONGEST_LOOK = 25
+"""Steps that the way to another side of a candidate may take: some cannot be walked after all."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +86,7 @@ class Navigator:
         self._phase = Phase.EXPLORATION
         self._waypoint: NDArray[np.float64] | None = None
         self._looking_again = False
+        self._look_steps = 0
         self._decisions = 0
         self._counsel.close()
         self._counsel = counsel(self._reasoner, PriorReasoner(), config.counsel)
@@ -197,6 +201,11 @@ class Navigator:
         if self._waypoint is None:
             return self._stop()  # nothing left that can be reached: the search is over
         acquiring = self._phase is Phase.TARGET_ACQUISITION
+        if self._looking_again:
+            self._look_steps += 1
+            if self._goal.accepted or self._look_steps > LONGEST_LOOK:
+                self._looking_again = False
+                return self._conclude(observation, view)
         if acquiring and not self._looking_again and self._at_target(observation, view):
             return self._conclude(observation, view)
         action = self._locomotion.next_action(observation, view.grid)
@@ -223,7 +232,7 @@ class Navigator:
             spot = self._further_side(observation, view)
             if spot is not None:
                 self._goal.look_again()
-                self._looking_again = True
+                self._looking_again, self._look_steps = True, 0
                 self._waypoint = spot
                 self._locomotion.go_to(spot)
                 action = self._locomotion.next_action(observation, view.grid)
@@ -262,12 +271,15 @@ class Navigator:
 
     def _close_in(self, observation: Observation, view: MapView) -> Action | None:
         """The last metre, where A_dir + A_sem peaks short of the target: go where it is seen."""
+        if self._waypoint is not None and self._locomotion.progress is Progress.GAVE_UP:
+            self._barren.add(self._waypoint, self._decisions)
         vantage = vantage_point(
             self._goal.points(view, self._target),
             self._goal,
             view,
             self._locomotion.reach(observation, view.grid),
             observation.world_from_camera.translation[2] - view.floor_z,
+            lambda spots: self._barren.admissible(spots, self._decisions),
         )
         if vantage is None:
             return None

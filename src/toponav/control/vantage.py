@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
@@ -23,12 +25,21 @@ MAX_TRIED = 200
 """Spots checked for sight, the best first."""
 
 
+Allowed = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
+
+
+def everywhere(spots: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """(N,) true: all of (N, 2) spots may be chosen."""
+    return np.ones(len(spots), dtype=np.bool_)
+
+
 def vantage_point(
     target_points: NDArray[np.floating],
     goal: GoalTracker,
     view: MapView,
     reach: CostField,
     eye_height_m: float,
+    allowed: Allowed = everywhere,
 ) -> NDArray[np.float64] | None:
     """The spot that is cheapest to reach of those at which the agent would stop.
 
@@ -38,6 +49,7 @@ def vantage_point(
         view: The map.
         reach: Cost of walking from the agent to every cell.
         eye_height_m: Height of the camera above the floor, metres.
+        allowed: Tells which of (N, 2) spots may be chosen.
 
     Returns:
         (3,) on the floor, world frame, metres. Where nothing can be reached that is well within
@@ -48,6 +60,9 @@ def vantage_point(
     if not len(cells) or not len(target_points):
         return None
     spots = reach.clearance.grid.center_of(cells)
+    cells, spots = cells[allowed(spots)], spots[allowed(spots)]
+    if not len(cells):
+        return None
     distance, _ = cKDTree(target_points[:, :2]).query(spots)
     config = goal.config
     well_within = distance <= config.stop_distance_m - MARGIN_M
