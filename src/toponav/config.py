@@ -13,6 +13,7 @@ from pydantic import Field, ValidationError
 from toponav.categories import DEFAULT_VOCABULARY
 from toponav.config_model import ConfigModel
 from toponav.control.locomotion import LocomotionConfig
+from toponav.control.search_plan import SearchPlanConfig
 from toponav.errors import ConfigError
 from toponav.mapping.semantic_map import MapConfig
 from toponav.memory.builder import MemoryConfig
@@ -49,6 +50,10 @@ class NavigatorConfig(ConfigModel):
     locomotion: LocomotionConfig = Field(default_factory=LocomotionConfig)
     """Planning, following and recovery."""
 
+    search: SearchPlanConfig | None = None
+    """Explore by a plan over frontiers, with short looks; without it, as in the paper, by the sum
+    of affordances and a panorama at every waypoint."""
+
     vocabulary: tuple[str, ...] = DEFAULT_VOCABULARY
     """T: what the detector looks for beside the target."""
 
@@ -58,7 +63,7 @@ class NavigatorConfig(ConfigModel):
 
 _PRESETS: dict[str, dict[str, Any]] = {
     "paper": {},
-    "default": {"decide_on_sight": True, "goal": {"evidence": {}}},
+    "default": {"decide_on_sight": True, "goal": {"evidence": {}}, "search": {}},
 }
 
 

@@ -13,13 +13,20 @@ from numpy.typing import NDArray
 
 from toponav.categories import canonical
 from toponav.config import NavigatorConfig
+from toponav.control.frontier_clusters import frontier_clusters
 from toponav.control.locomotion import Locomotion, Progress
-from toponav.control.planner import CostField
+from toponav.control.planner import CostField, Planner
 from toponav.control.recovery import BarrenWaypoints
+from toponav.control.search_plan import (
+    Belief,
+    SearchPlanConfig,
+    frontier_towards,
+    next_frontier,
+)
 from toponav.control.vantage import further_look, vantage_point
 from toponav.geometry import Pose
 from toponav.mapping.semantic_map import SemanticMap
-from toponav.mapping.view import MapView
+from toponav.mapping.view import FrameUpdate, MapView
 from toponav.memory.builder import MemoryBuilder
 from toponav.perception.base import Detector
 from toponav.policy.affordances import Affordances, Phase, acquisition, exploration
@@ -36,6 +43,16 @@ from toponav.types import Action, Detections, Observation
 
 LONGEST_LOOK = 25
 """Steps that the way to another side of a candidate may take: some cannot be walked after all."""
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """One frame and what was made of it."""
+
+    observation: Observation
+    detections: Detections
+    update: FrameUpdate
+    view: MapView
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +104,8 @@ class Navigator:
         self._waypoint: NDArray[np.float64] | None = None
         self._looking_again = False
         self._look_steps = 0
+        self._turns_at_rest = 0
+        self._goes_to_frontier = False
         self._decisions = 0
         self._counsel.close()
         self._counsel = counsel(self._reasoner, PriorReasoner(), config.counsel)
@@ -103,17 +122,13 @@ class Navigator:
             if self._panorama.add(observation, detections, update):
                 return Action.TURN_LEFT
             self._decide(observation, view)
-        elif self._sights_target(detections, view) or self._lost_target(view):
-            self._panorama.begin(views=1)
-            self._panorama.add(observation, detections, update)
-            self._decide(observation, view)
+        elif self._must_reconsider(detections, view):
+            self._decide_from_here(Frame(observation, detections, update, view))
         else:
             self._heed(observation, view)
         action = self._walk(observation, view)
         if action is None:  # at the waypoint, or as near as one gets: look around anew
-            self._panorama.begin()
-            self._panorama.add(observation, detections, update)
-            return Action.TURN_LEFT
+            return self._look_round(Frame(observation, detections, update, view))
         return action
 
     def close(self) -> None:
@@ -134,6 +149,38 @@ class Navigator:
         guidance = self._counsel.ask(query, observation.timestamp_s)
         self._asked = Asked(query, observation.world_from_camera)
         self._follow(guidance, observation, view, reach)
+
+    def _decide_from_here(self, frame: Frame) -> None:
+        """Decide on the current view alone."""
+        self._panorama.begin(views=1)
+        self._panorama.add(frame.observation, frame.detections, frame.update)
+        self._decide(frame.observation, frame.view)
+
+    def _look_round(self, frame: Frame) -> Action:
+        """At the end of a walk: the first turn of a panorama, or a short look and the next walk."""
+        if self.config.search is None:
+            self._panorama.begin()
+            self._panorama.add(frame.observation, frame.detections, frame.update)
+            return Action.TURN_LEFT
+        turn = self._turn_to_rest(self.config.search, frame)
+        if turn is not None:
+            return turn
+        self._decide_from_here(frame)
+        self._turns_at_rest = 0
+        # Where the walk ends at once, one more look from here lets the next step choose anew.
+        return self._walk(frame.observation, frame.view) or Action.TURN_LEFT
+
+    def _turn_to_rest(self, config: SearchPlanConfig, frame: Frame) -> Action | None:
+        """The turn towards what is left of the frontier that was gone to; None if that is seen."""
+        here = frame.observation.world_from_base.translation[:2]
+        offset = frame.view.frontiers[:, :2] - here
+        distance = np.hypot(offset[:, 0], offset[:, 1])
+        full_turn = round(360.0 / self.config.locomotion.follower.turn_deg)
+        if not (distance <= config.rest_m).any() or self._turns_at_rest >= full_turn:
+            return None
+        self._turns_at_rest += 1
+        nearest = frame.view.frontiers[int(np.argmin(distance)), :2]
+        return self._locomotion.face(frame.observation, nearest)
 
     def _heed(self, observation: Observation, view: MapView) -> None:
         """Change course if the reasoner's own answer to the last question has come on the way."""
@@ -158,8 +205,11 @@ class Navigator:
         self._looking_again = False
         acquiring = self._goal.recognised(guidance.target_found, view, self._target)
         self._phase = Phase.TARGET_ACQUISITION if acquiring else Phase.EXPLORATION
-        affordances = self._affordances(view, guidance)
-        self._waypoint = self._choose(affordances, reach)
+        affordances = None
+        self._waypoint = self._plan(guidance, observation, view, reach)
+        if self._waypoint is None:
+            affordances = self._affordances(view, guidance)
+            self._waypoint = self._choose(affordances, reach)
         path = np.zeros((0, 2))
         if self._waypoint is not None:
             self._locomotion.go_to(self._waypoint)
@@ -179,6 +229,34 @@ class Navigator:
             )
         )
         self._decisions += 1
+
+    def _plan(
+        self, guidance: Guidance, observation: Observation, view: MapView, reach: CostField
+    ) -> NDArray[np.float64] | None:
+        """Where to go by the plan over frontiers, or to see the target; None to go by A."""
+        config, acquiring = self.config.search, self._phase is Phase.TARGET_ACQUISITION
+        self._goes_to_frontier = False
+        if config is None:
+            return None
+        if acquiring:
+            vantage = self._vantage(observation, view, reach)
+            if vantage is not None:
+                return vantage
+        admissible = self._barren.admissible(view.frontiers, self._decisions)
+        clusters = frontier_clusters(view, reach, admissible)
+        if not clusters:
+            return None
+        self._goes_to_frontier = True
+        if acquiring:
+            return frontier_towards(clusters, self._goal.points(view, self._target))
+        names = sorted(name for name in view.objects if name != self._target)
+        affinity = self._reasoner.object_affinity(self._target, names)
+        belief = Belief(
+            dict(zip(names, affinity.tolist(), strict=True)),
+            self._memory.frontier_points_of(guidance.node_id, view)[:, :2],
+        )
+        planner = Planner(self.config.locomotion.planner)
+        return next_frontier(clusters, belief, view, reach, planner, config)
 
     def _affordances(self, view: MapView, guidance: Guidance) -> Affordances:
         """A on M_nav, of the phase."""
@@ -273,19 +351,42 @@ class Navigator:
         """The last metre, where A_dir + A_sem peaks short of the target: go where it is seen."""
         if self._waypoint is not None and self._locomotion.progress is Progress.GAVE_UP:
             self._barren.add(self._waypoint, self._decisions)
-        vantage = vantage_point(
-            self._goal.points(view, self._target),
-            self._goal,
-            view,
-            self._locomotion.reach(observation, view.grid),
-            observation.world_from_camera.translation[2] - view.floor_z,
-            lambda spots: self._barren.admissible(spots, self._decisions),
-        )
+        reach = self._locomotion.reach(observation, view.grid)
+        vantage = self._vantage(observation, view, reach)
         if vantage is None:
             return None
         self._waypoint = vantage
         self._locomotion.go_to(vantage)
         return self._locomotion.next_action(observation, view.grid)
+
+    def _vantage(
+        self, observation: Observation, view: MapView, reach: CostField
+    ) -> NDArray[np.float64] | None:
+        """The nearest spot from which the target is seen as near as the stop rule asks."""
+        return vantage_point(
+            self._goal.points(view, self._target),
+            self._goal,
+            view,
+            reach,
+            observation.world_from_camera.translation[2] - view.floor_z,
+            lambda spots: self._barren.admissible(spots, self._decisions),
+        )
+
+    def _must_reconsider(self, detections: Detections, view: MapView) -> bool:
+        """Whether something on the way calls for a decision before the walk has ended."""
+        return (
+            self._sights_target(detections, view)
+            or self._lost_target(view)
+            or self._frontier_is_gone(view)
+        )
+
+    def _frontier_is_gone(self, view: MapView) -> bool:
+        """Whether the frontier that is gone to has been seen from afar."""
+        config = self.config.search
+        if config is None or self._waypoint is None or not self._goes_to_frontier:
+            return False
+        offset = view.frontiers[:, :2] - self._waypoint[:2]
+        return not bool((np.hypot(offset[:, 0], offset[:, 1]) <= config.vanished_m).any())
 
     def _lost_target(self, view: MapView) -> bool:
         """Whether what was gone to has turned out to be something else."""

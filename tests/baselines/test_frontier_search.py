@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from searches import Blind, Log, small_env
 
 from small_house import small_config
-from toponav.baselines.frontier_clusters import FrontierCluster
 from toponav.baselines.frontier_search import FrontierSearch
+from toponav.control.frontier_clusters import FrontierCluster
 from toponav.control.planner import CostField
 from toponav.mapping.view import MapView
 from toponav.types import Action, Observation

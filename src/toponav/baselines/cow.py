@@ -19,8 +19,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from toponav.baselines.frontier_clusters import FrontierCluster
 from toponav.baselines.frontier_search import FrontierSearch
+from toponav.control.frontier_clusters import FrontierCluster
 from toponav.control.planner import CostField
 from toponav.mapping.view import MapView
 from toponav.policy.goal import GoalConfig

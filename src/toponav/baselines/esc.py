@@ -21,11 +21,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from toponav.baselines.frontier_clusters import FrontierCluster
 from toponav.baselines.frontier_search import FrontierSearch
 from toponav.baselines.object_scores import ObjectScores
 from toponav.baselines.relevance import Relevance
 from toponav.config import NavigatorConfig
+from toponav.control.frontier_clusters import FrontierCluster
 from toponav.control.planner import CostField
 from toponav.mapping.view import MapView
 from toponav.perception.base import Detector

@@ -15,8 +15,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from toponav.baselines.frontier_clusters import FrontierCluster
 from toponav.baselines.frontier_search import FrontierSearch
+from toponav.control.frontier_clusters import FrontierCluster
 from toponav.control.planner import CostField
 from toponav.mapping.view import MapView
 from toponav.types import Observation

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from toponav.baselines.base import MappedSearch
-from toponav.baselines.frontier_clusters import FrontierCluster, frontier_clusters
+from toponav.control.frontier_clusters import FrontierCluster, frontier_clusters
 from toponav.control.planner import CostField
 from toponav.mapping.view import MapView
 from toponav.policy.affordances import Phase

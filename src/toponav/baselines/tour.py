@@ -19,9 +19,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from toponav.baselines.frontier_clusters import FrontierCluster
 from toponav.baselines.frontier_search import FrontierSearch
 from toponav.baselines.open_tour import open_tour
+from toponav.control.frontier_clusters import FrontierCluster
 from toponav.control.planner import CostField, Planner
 from toponav.mapping.view import MapView
 from toponav.types import Action, Observation

@@ -18,9 +18,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from toponav.baselines.frontier_clusters import FrontierCluster
 from toponav.baselines.l3mvn import REPLAN_STEPS, L3mvnAgent
 from toponav.config import NavigatorConfig
+from toponav.control.frontier_clusters import FrontierCluster
 from toponav.control.planner import CostField
 from toponav.mapping.view import MapView
 from toponav.perception.base import Detector

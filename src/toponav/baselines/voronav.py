@@ -24,12 +24,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from toponav.baselines.frontier_clusters import FrontierCluster
 from toponav.baselines.frontier_search import FrontierSearch
 from toponav.baselines.object_scores import ObjectScores
 from toponav.baselines.relevance import Relevance
 from toponav.baselines.voronoi_graph import VoronoiGraph, voronoi_graph
 from toponav.config import NavigatorConfig
+from toponav.control.frontier_clusters import FrontierCluster
 from toponav.control.planner import CostField
 from toponav.mapping.view import MapView
 from toponav.perception.base import Detector

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from drawn_map import clusters_from, drawn_map, reach_from
 
-from toponav.baselines.frontier_clusters import frontier_clusters
+from drawn_map import clusters_from, drawn_map, reach_from
+from toponav.control.frontier_clusters import frontier_clusters
 
 ROOM = drawn_map(
     "#########",

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from toponav.baselines.frontier_clusters import FrontierCluster, frontier_clusters
+from toponav.control.frontier_clusters import FrontierCluster, frontier_clusters
 from toponav.control.planner import CostField, Planner, PlannerConfig
 from toponav.geometry import Intrinsics, Pose
 from toponav.geometry.conventions import BODY_FROM_OPTICAL

@@ -1,0 +1,68 @@
+"""The plan over frontiers: unseen floor, telling objects, the reasoner's place, stairs last."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from drawn_map import clusters_from, drawn_map, reach_from
+from toponav.control.planner import Planner, PlannerConfig
+from toponav.control.search_plan import (
+    Belief,
+    SearchPlanConfig,
+    frontier_towards,
+    next_frontier,
+)
+from toponav.mapping.view import MapView, PointCloud
+
+HALL = drawn_map(
+    "##############",
+    "#............#",
+    " ............ ",
+    " ............ ",
+    "#............#",
+    "##############",
+    enlarged=5,
+)
+"""A hall of 6 m with a way out at either end."""
+NOTHING = Belief({}, np.zeros((0, 2)))
+
+
+def chosen_x(view: MapView, x: float, belief: Belief = NOTHING) -> float:
+    here = (x, 1.5)
+    reach, clusters = reach_from(view, here), clusters_from(view, here)
+    planner, config = Planner(PlannerConfig()), SearchPlanConfig()
+    return float(next_frontier(clusters, belief, view, reach, planner, config)[0])
+
+
+def with_object(category: str, x: float) -> MapView:
+    points = np.array([[x, 1.5, 0.4]] * 5, np.float32)
+    cloud = PointCloud(points, np.zeros((5, 3), np.uint8), np.ones(5, np.int32))
+    return replace(HALL, objects={category: cloud})
+
+
+def test_of_like_frontiers_the_nearer_is_first() -> None:
+    assert chosen_x(HALL, 2.0) < 1.0
+    assert chosen_x(HALL, 5.0) > 6.0
+
+
+def test_an_object_that_speaks_for_the_target_draws_to_its_end() -> None:
+    assert chosen_x(with_object("bed", 6.4), 3.0, Belief({"bed": 0.9}, NOTHING.guided)) > 6.0
+    assert chosen_x(with_object("bed", 6.4), 3.0, Belief({"bed": 0.0}, NOTHING.guided)) < 1.0
+
+
+def test_the_place_that_the_reasoner_names_counts_more() -> None:
+    right = HALL.frontiers[HALL.frontiers[:, 0] > 6.0][:, :2]
+    assert chosen_x(HALL, 3.4) < 1.0
+    assert chosen_x(HALL, 3.4, Belief({}, right)) > 6.0
+
+
+def test_stairs_are_left_for_last() -> None:
+    assert chosen_x(with_object("stairs", 0.6), 2.0) > 6.0
+
+
+def test_a_target_beyond_is_approached_by_the_frontier_beside_it() -> None:
+    clusters = clusters_from(HALL, (3.0, 1.5))
+    assert frontier_towards(clusters, np.array([[9.0, 1.5, 0.5]]))[0] > 6.0
+    assert frontier_towards(clusters, np.array([[-1.0, 1.5, 0.5]]))[0] < 1.0
