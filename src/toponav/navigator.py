@@ -13,16 +13,10 @@ from numpy.typing import NDArray
 
 from toponav.categories import canonical
 from toponav.config import NavigatorConfig
-from toponav.control.frontier_clusters import frontier_clusters
+from toponav.control.frontier_search import FrontierSearch
 from toponav.control.locomotion import Locomotion, Progress
-from toponav.control.planner import CostField, Planner
+from toponav.control.planner import CostField
 from toponav.control.recovery import BarrenWaypoints
-from toponav.control.search_plan import (
-    Belief,
-    SearchPlanConfig,
-    frontier_towards,
-    next_frontier,
-)
 from toponav.control.vantage import further_look, vantage_point
 from toponav.geometry import Pose
 from toponav.mapping.semantic_map import SemanticMap
@@ -104,8 +98,11 @@ class Navigator:
         self._waypoint: NDArray[np.float64] | None = None
         self._looking_again = False
         self._look_steps = 0
-        self._turns_at_rest = 0
-        self._goes_to_frontier = False
+        self._search = (
+            None
+            if config.search is None
+            else FrontierSearch(config.search, config.locomotion, self._reasoner)
+        )
         self._decisions = 0
         self._counsel.close()
         self._counsel = counsel(self._reasoner, PriorReasoner(), config.counsel)
@@ -158,29 +155,16 @@ class Navigator:
 
     def _look_round(self, frame: Frame) -> Action:
         """At the end of a walk: the first turn of a panorama, or a short look and the next walk."""
-        if self.config.search is None:
+        if self._search is None:
             self._panorama.begin()
             self._panorama.add(frame.observation, frame.detections, frame.update)
             return Action.TURN_LEFT
-        turn = self._turn_to_rest(self.config.search, frame)
+        turn = self._search.look(frame.observation, frame.view, self._locomotion)
         if turn is not None:
             return turn
         self._decide_from_here(frame)
-        self._turns_at_rest = 0
         # Where the walk ends at once, one more look from here lets the next step choose anew.
         return self._walk(frame.observation, frame.view) or Action.TURN_LEFT
-
-    def _turn_to_rest(self, config: SearchPlanConfig, frame: Frame) -> Action | None:
-        """The turn towards what is left of the frontier that was gone to; None if that is seen."""
-        here = frame.observation.world_from_base.translation[:2]
-        offset = frame.view.frontiers[:, :2] - here
-        distance = np.hypot(offset[:, 0], offset[:, 1])
-        full_turn = round(360.0 / self.config.locomotion.follower.turn_deg)
-        if not (distance <= config.rest_m).any() or self._turns_at_rest >= full_turn:
-            return None
-        self._turns_at_rest += 1
-        nearest = frame.view.frontiers[int(np.argmin(distance)), :2]
-        return self._locomotion.face(frame.observation, nearest)
 
     def _heed(self, observation: Observation, view: MapView) -> None:
         """Change course if the reasoner's own answer to the last question has come on the way."""
@@ -234,29 +218,18 @@ class Navigator:
         self, guidance: Guidance, observation: Observation, view: MapView, reach: CostField
     ) -> NDArray[np.float64] | None:
         """Where to go by the plan over frontiers, or to see the target; None to go by A."""
-        config, acquiring = self.config.search, self._phase is Phase.TARGET_ACQUISITION
-        self._goes_to_frontier = False
-        if config is None:
+        if self._search is None:
             return None
-        if acquiring:
-            vantage = self._vantage(observation, view, reach)
-            if vantage is not None:
-                return vantage
         admissible = self._barren.admissible(view.frontiers, self._decisions)
-        clusters = frontier_clusters(view, reach, admissible)
-        if not clusters:
-            return None
-        self._goes_to_frontier = True
-        if acquiring:
-            return frontier_towards(clusters, self._goal.points(view, self._target))
-        names = sorted(name for name in view.objects if name != self._target)
-        affinity = self._reasoner.object_affinity(self._target, names)
-        belief = Belief(
-            dict(zip(names, affinity.tolist(), strict=True)),
-            self._memory.frontier_points_of(guidance.node_id, view)[:, :2],
-        )
-        planner = Planner(self.config.locomotion.planner)
-        return next_frontier(clusters, belief, view, reach, planner, config)
+        if self._phase is Phase.EXPLORATION:
+            guided = self._memory.frontier_points_of(guidance.node_id, view)[:, :2]
+            return self._search.set_out(self._target, guided, view, reach, admissible)
+        self._search.leave()
+        vantage = self._vantage(observation, view, reach)
+        if vantage is not None:
+            return vantage
+        points = self._goal.points(view, self._target)
+        return self._search.set_out_towards(points, view, reach, admissible)
 
     def _affordances(self, view: MapView, guidance: Guidance) -> Affordances:
         """A on M_nav, of the phase."""
@@ -377,16 +350,8 @@ class Navigator:
         return (
             self._sights_target(detections, view)
             or self._lost_target(view)
-            or self._frontier_is_gone(view)
+            or (self._search is not None and self._search.is_gone(view))
         )
-
-    def _frontier_is_gone(self, view: MapView) -> bool:
-        """Whether the frontier that is gone to has been seen from afar."""
-        config = self.config.search
-        if config is None or self._waypoint is None or not self._goes_to_frontier:
-            return False
-        offset = view.frontiers[:, :2] - self._waypoint[:2]
-        return not bool((np.hypot(offset[:, 0], offset[:, 1]) <= config.vanished_m).any())
 
     def _lost_target(self, view: MapView) -> bool:
         """Whether what was gone to has turned out to be something else."""
