@@ -101,7 +101,9 @@ class Navigator:
         self._search = (
             None
             if config.search is None
-            else FrontierSearch(config.search, config.locomotion, self._reasoner)
+            else FrontierSearch(
+                self._target, self._vocabulary, config.search, config.locomotion, self._reasoner
+            )
         )
         self._decisions = 0
         self._counsel.close()
@@ -223,7 +225,7 @@ class Navigator:
         admissible = self._barren.admissible(view.frontiers, self._decisions)
         if self._phase is Phase.EXPLORATION:
             guided = self._memory.frontier_points_of(guidance.node_id, view)[:, :2]
-            return self._search.set_out(self._target, guided, view, reach, admissible)
+            return self._search.set_out(guided, view, reach, admissible)
         self._search.leave()
         vantage = self._vantage(observation, view, reach)
         if vantage is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,9 @@ import pytest
 from chat_server import GOOD, Fault, chat_server, prompt_text
 from small_house import SMALL
 from toponav.cli.main import main
+
+LISTED = re.compile(r"^\d+\. ", re.MULTILINE)
+"""What a prompt about names lists."""
 
 
 def capable(body: dict[str, Any]) -> str:
@@ -80,7 +84,13 @@ def test_people_get_lines(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_the_ledger_of_a_run_adds_up(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     faults = [Fault.SERVER_ERROR]
-    with chat_server(lambda body: faults.pop() if faults else json.dumps(GOOD)) as server:
+
+    def script(body: dict[str, Any]) -> str | Fault:
+        if "likelihoods" in json.dumps(body["response_format"]):
+            return json.dumps({"likelihoods": [0.5] * len(LISTED.findall(prompt_text(body)))})
+        return faults.pop() if faults else json.dumps({**GOOD, "direction": 0})
+
+    with chat_server(script) as server:
         run = [
             "eval", "generated:6", "--episodes", "2", "--max-steps", "30", *SMALL, "--reasoner",
             "openai", "--base-url", server.url, "--cache", "None", "--out", str(tmp_path),
@@ -90,7 +100,8 @@ def test_the_ledger_of_a_run_adds_up(capsys: pytest.CaptureFixture[str], tmp_pat
     capsys.readouterr()
     assert main(["reasoner", "ledger", str(tmp_path), "--json"]) == 0
     rows = json.loads(capsys.readouterr().out)["rows"]
-    assert [row["prompt"] for row in rows] == ["guidance", "all"]
+    assert [row["prompt"] for row in rows] == ["guidance", "objects", "all"]
+    assert rows[1]["questions"] == 2  # once an episode
     assert rows[-1]["calls"] == spent["calls"] == len(server.requests)
     assert rows[-1]["cost_usd"] == pytest.approx(spent["cost_usd"])
     assert rows[-1]["failures"] == {"server error": 1}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,15 +25,25 @@ class FrontierSearch:
     """Goes from frontier to frontier; its state is the frontier that is gone to."""
 
     def __init__(
-        self, config: SearchPlanConfig, locomotion: LocomotionConfig, reasoner: Reasoner
+        self,
+        target: str,
+        vocabulary: Sequence[str],
+        config: SearchPlanConfig,
+        locomotion: LocomotionConfig,
+        reasoner: Reasoner,
     ) -> None:
         """Begin a search.
 
         Args:
+            target: What is looked for.
+            vocabulary: Everything that may be seen; the reasoner is asked of all of it at once.
             config: How frontiers are weighed.
             locomotion: How the agent walks and turns.
             reasoner: Says what goes with the target.
         """
+        self._target = target
+        self._names = [name for name in vocabulary if name != target]
+        self._affinity: dict[str, float] | None = None
         self._config = config
         self._planner = Planner(locomotion.planner)
         self._full_turn = round(360.0 / locomotion.follower.turn_deg)
@@ -41,7 +53,6 @@ class FrontierSearch:
 
     def set_out(
         self,
-        target: str,
         guided: NDArray[np.float64],
         view: MapView,
         reach: CostField,
@@ -50,7 +61,6 @@ class FrontierSearch:
         """The (3,) waypoint of the next frontier; None when none is left that can be reached.
 
         Args:
-            target: What is looked for.
             guided: (M, 2) frontier cells about the place that the reasoner names.
             view: The map.
             reach: Cost of walking from the agent to every cell.
@@ -58,9 +68,8 @@ class FrontierSearch:
         """
         clusters = self._clusters(view, reach, admissible)
         if clusters:
-            names = sorted(name for name in view.objects if name != target)
-            affinity = self._reasoner.object_affinity(target, names).tolist()
-            belief = Belief(dict(zip(names, affinity, strict=True)), guided)
+            seen = {name: a for name, a in self._affinities().items() if name in view.objects}
+            belief = Belief(seen, guided)
             self._waypoint = next_frontier(
                 clusters, belief, view, reach, self._planner, self._config
             )
@@ -100,6 +109,13 @@ class FrontierSearch:
         if action is None:
             self._turns = 0
         return action
+
+    def _affinities(self) -> dict[str, float]:
+        """What goes with the target, asked when it is first needed."""
+        if self._affinity is None:
+            values = self._reasoner.object_affinity(self._target, self._names).tolist()
+            self._affinity = dict(zip(self._names, values, strict=True))
+        return self._affinity
 
     def _clusters(
         self, view: MapView, reach: CostField, admissible: NDArray[np.bool_]

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import random
+import re
 from collections import Counter
 from pathlib import Path
 from typing import Any
 
 import pytest
-from chat_server import GOOD, SEEN_AS, Fault, chat_server
 
+from chat_server import GOOD, SEEN_AS, Fault, chat_server, prompt_text
 from small_house import SMALL, small_config, small_runner
 from toponav.cli.main import main
 from toponav.evaluation.evaluate import evaluate
@@ -60,6 +61,10 @@ class Overheard:
 
     def answer(self, body: dict[str, Any]) -> str:
         assert self.query is not None
+        listed = re.findall(r"^\d+\. (.*)$", prompt_text(body), re.MULTILINE)
+        if listed:
+            affinity = PriorReasoner().object_affinity(self.query.target, listed)
+            return json.dumps({"likelihoods": affinity.tolist()})
         guidance = PriorReasoner().decide(self.query)
         asked = body["response_format"]["json_schema"]["schema"]["properties"]
         return json.dumps({k: v for k, v in guidance.model_dump().items() if k in asked})
