@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from drawn_map import clusters_from, detections_of, drawn_map, observation_at, reach_from
 from hypothesis import given
 from hypothesis import strategies as st
 from searches import Blind, Log, named, search
 
+from drawn_map import clusters_from, detections_of, drawn_map, observation_at, reach_from
 from small_house import small_config
 from toponav.baselines.cow import CowAgent
 from toponav.types import Action

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from drawn_map import clusters_from, detections_of, drawn_map, observation_at, reach_from
 from hypothesis import given
 from hypothesis import strategies as st
 from searches import Blind, Log, named, search, walked_early
 from words import Words
 
+from drawn_map import clusters_from, detections_of, drawn_map, observation_at, reach_from
 from small_house import small_config
 from toponav.baselines.esc import (
     NEAREST_M,

@@ -5,10 +5,10 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from drawn_map import detections_of, drawn_map, observation_at
 from searches import Blind, Log, named, search
 from words import Words
 
+from drawn_map import detections_of, drawn_map, observation_at
 from small_house import small_config
 from toponav.baselines.instructnav import (
     PLAN_M,

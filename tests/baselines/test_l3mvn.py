@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.special import softmax
+from searches import Blind, Log, named, search, walked_early
+from words import Words
+
 from drawn_map import (
     clusters_from,
     detections_of,
@@ -12,10 +16,6 @@ from drawn_map import (
     reach_from,
     straight_cluster,
 )
-from scipy.special import softmax
-from searches import Blind, Log, named, search, walked_early
-from words import Words
-
 from small_house import small_config
 from toponav.baselines.l3mvn import (
     CANDIDATES,

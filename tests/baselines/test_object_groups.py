@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from drawn_map import detections_of, observation_at
 from hypothesis import given
 from hypothesis import strategies as st
 
+from drawn_map import detections_of, observation_at
 from toponav.baselines.object_groups import linked, object_groups
 from toponav.baselines.object_scores import ObjectScores
 from toponav.mapping.semantic_map import MapConfig

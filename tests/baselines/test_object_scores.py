@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from drawn_map import detections_of, observation_at
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from drawn_map import detections_of, observation_at
 from toponav.baselines.object_scores import CELL_M, ObjectScores
 from toponav.mapping.semantic_map import MapConfig
 

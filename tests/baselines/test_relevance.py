@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from drawn_map import detections_of
 from words import Words
 
+from drawn_map import detections_of
 from toponav.baselines.relevance import Relevance
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from drawn_map import drawn_map, observation_at
 
+from drawn_map import drawn_map, observation_at
 from toponav.baselines.seen_floor import seen_floor
 
 ROOM = drawn_map("####", "#..#", "####", enlarged=5)

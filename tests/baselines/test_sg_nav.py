@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from drawn_map import clusters_from, detections_of, drawn_map, observation_at, reach_from
 from searches import Blind, Log, named, search
 from words import Words
 
+from drawn_map import clusters_from, detections_of, drawn_map, observation_at, reach_from
 from small_house import small_config
 from toponav.baselines.object_groups import ObjectGroup
 from toponav.baselines.sg_nav import OTHER_SIGHTINGS, SIGHTINGS, SgNavAgent, group_gain

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from drawn_map import clusters_from, drawn_map, observation_at, reach_from
 from searches import Blind, Log, named, search, walked_early
 
+from drawn_map import clusters_from, drawn_map, observation_at, reach_from
 from small_house import small_config
 from toponav.baselines.tour import VANISHED_M, TourAgent
 from toponav.types import Action

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from drawn_map import clusters_from, detections_of, drawn_map, observation_at, reach_from
 from searches import Blind, Log, named, search
 from words import Words
 
+from drawn_map import clusters_from, detections_of, drawn_map, observation_at, reach_from
 from small_house import small_config
 from toponav.baselines.l3mvn import REPLAN_STEPS, L3mvnAgent
 from toponav.baselines.trihelper import DETOUR_STEPS, QUESTION_STEPS, TRAPPED_BUMPS, TriHelperAgent

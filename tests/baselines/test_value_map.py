@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from drawn_map import observation_at
 from hypothesis import given
 from hypothesis import strategies as st
 
+from drawn_map import observation_at
 from toponav.baselines.value_map import CELL_M, ValueMap, cone_confidence, fused, visible_cone
 
 UNIT = st.floats(0.0, 1.0)

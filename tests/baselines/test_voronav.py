@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from drawn_map import clusters_from, detections_of, drawn_map, observation_at, reach_from
 from searches import Blind, Log, named, search
 from words import Words
 
+from drawn_map import clusters_from, detections_of, drawn_map, observation_at, reach_from
 from small_house import small_config
 from toponav.baselines.voronav import VoroNavAgent, exploratory_nodes
 from toponav.baselines.voronoi_graph import voronoi_graph

@@ -5,12 +5,12 @@ from __future__ import annotations
 import networkx as nx
 import numpy as np
 import pytest
-from drawn_map import drawn_map
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.ndimage import label
 
+from drawn_map import drawn_map
 from toponav.baselines.voronoi_graph import EIGHT, VoronoiGraph, thinned, voronoi_graph
 from toponav.mapping.view import FREE
 

@@ -6,10 +6,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from drawn_map import clusters_from, detections_of, drawn_map, observation_at, reach_from
 from searches import Blind, Log, named, search
 from words import Words
 
+from drawn_map import clusters_from, detections_of, drawn_map, observation_at, reach_from
 from small_house import small_config
 from toponav.baselines.wmnav import ANGLES_DEG, RANGES_M, View, WmNavAgent, polar_candidates
 from toponav.types import Action

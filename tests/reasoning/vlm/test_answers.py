@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from chat_server import GOOD
 from hypothesis import given
 from hypothesis import strategies as st
 from queries import small_query
 
+from chat_server import GOOD
 from toponav.reasoning.vlm.affinity_prompt import affinity_prompt
 from toponav.reasoning.vlm.answers import (
     LONGEST_REASON,

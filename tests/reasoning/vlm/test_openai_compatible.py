@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from chat_server import GOOD, SEEN_AS, Fault, Script, chat_server, prompt_text
 from queries import small_query
 
+from chat_server import GOOD, SEEN_AS, Fault, Script, chat_server, prompt_text
 from toponav.errors import InputError, ReasonerError
 from toponav.reasoning.base import ReasonerContext, SeenObject, reasoners
 from toponav.reasoning.config import ReasoningConfig
