@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from ball_frames import Ball, frame, said
 from toponav.control.locomotion import LocomotionConfig
 from toponav.control.planner import CostField, Planner, PlannerConfig
-from toponav.control.vantage import MARGIN_M, vantage_point
+from toponav.control.vantage import LOOK_M, MARGIN_M, further_look, vantage_point
 from toponav.geometry import Pose
 from toponav.mapping.view import FREE, OCCUPIED, MapView, OccupancyGrid, PointCloud
+from toponav.policy.evidence import EvidenceConfig
 from toponav.policy.goal import GoalConfig, GoalTracker
 
 EYE_M = 0.88
@@ -103,3 +105,40 @@ def test_no_spot_beyond_a_closed_wall(closed: np.ndarray) -> None:
 def test_no_spot_for_a_target_that_is_not_mapped() -> None:
     view, reach = room(CHAIR)
     assert vantage_point(np.zeros((0, 3)), TRACKER, view, reach, EYE_M) is None
+
+
+def test_spots_that_are_not_allowed_are_left_out() -> None:
+    view, reach = room(CHAIR)
+    free = vantage_point(CHAIR, TRACKER, view, reach, EYE_M)
+    assert free is not None
+    beyond = vantage_point(
+        CHAIR, TRACKER, view, reach, EYE_M, lambda spots: spots[:, 0] > free[0] + 0.3
+    )
+    assert beyond is not None
+    assert beyond[0] > free[0] + 0.3
+    nowhere = vantage_point(CHAIR, TRACKER, view, reach, EYE_M, lambda spots: spots[:, 0] > 99.0)
+    assert nowhere is None
+
+
+def test_another_look_is_taken_from_a_side_not_looked_from_yet() -> None:
+    ball, tracker = Ball(2.5, 1.5), GoalTracker(GoalConfig(evidence=EvidenceConfig()))
+    looked_from = np.array([0.9, 1.5])
+    for _ in range(3):
+        observation, [mask] = frame([ball], *looked_from, at=(2.5, 1.5))
+        tracker.observe(observation, said(("chair", 0.5, mask)), "chair")
+    view, reach = room(block((2.3, 1.3, 0.5), (2.7, 1.7, 1.0)))
+    assert tracker.is_mapped(view, "chair")
+    assert not tracker.accepted
+    assert tracker.looked_from(looked_from)
+    spot = further_look(tracker, "chair", view, reach, EYE_M)
+    assert spot is not None
+    assert not tracker.looked_from(spot)
+    gap = horizontal_gap(spot, tracker.points(view, "chair"))
+    assert LOOK_M[0] <= gap <= LOOK_M[1]
+
+
+def test_without_evidence_there_is_nothing_to_look_at_again() -> None:
+    view, reach = room(CHAIR)
+    assert TRACKER.accepted
+    assert not TRACKER.wants_another_look()
+    assert further_look(TRACKER, "chair", view, reach, EYE_M) is None

@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 import pytest
-from ball_frames import Ball, frame, said
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ball_frames import Ball, frame, said
 from toponav.policy.evidence import EvidenceConfig, Look, TargetEvidence
 
 CONFIG = EvidenceConfig()
