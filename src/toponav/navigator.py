@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from toponav.categories import canonical
 from toponav.config import NavigatorConfig
-from toponav.control.frontier_search import FrontierSearch
 from toponav.control.locomotion import Locomotion, Progress
+from toponav.control.planned_search import PlannedSearch
 from toponav.control.planner import CostField
 from toponav.control.recovery import BarrenWaypoints
 from toponav.control.vantage import further_look, vantage_point
@@ -101,7 +101,7 @@ class Navigator:
         self._search = (
             None
             if config.search is None
-            else FrontierSearch(
+            else PlannedSearch(
                 self._target, self._vocabulary, config.search, config.locomotion, self._reasoner
             )
         )

@@ -21,18 +21,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from toponav.baselines.frontier_search import FrontierSearch
+from toponav.baselines.context_search import ContextSearch
 from toponav.baselines.object_scores import ObjectScores
-from toponav.baselines.relevance import Relevance
-from toponav.config import NavigatorConfig
 from toponav.control.frontier_clusters import FrontierCluster
 from toponav.control.planner import CostField
 from toponav.mapping.view import MapView
-from toponav.perception.base import Detector
-from toponav.policy.decision import DecisionListener
 from toponav.policy.goal import GoalConfig
 from toponav.reasoning.affinity import ROOM_TYPES, room_belief
-from toponav.reasoning.base import Reasoner
 from toponav.types import Detections, Observation
 
 ROOMS = (
@@ -63,30 +58,15 @@ STOP_M = 0.5
 """The agent stops within this distance of the target, metres."""
 
 
-class EscAgent(FrontierSearch):
+class EscAgent(ContextSearch):
     """Goes to the frontier whose surroundings promise the target."""
 
     exploring_arrival_m = 0.5
 
-    def __init__(
-        self,
-        detector: Detector,
-        reasoner: Reasoner,
-        config: NavigatorConfig,
-        listener: DecisionListener,
-    ) -> None:
-        """Take the shared parts; the reasoner gives the affinities."""
-        self._reasoner = reasoner
-        super().__init__(detector, config, listener)
-
     def reset(self, goal: str) -> None:
         """Forget the last episode."""
         super().reset(goal)
-        self._relevance = Relevance(self._reasoner, self._target)
         self._objects = ObjectScores(self._config.map)
-
-    def _wanted_categories(self) -> tuple[str, ...]:
-        return self._full_vocabulary()
 
     def _goal_config(self, shared: GoalConfig) -> GoalConfig:
         return shared.model_copy(update={"stop_distance_m": STOP_M})

@@ -20,18 +20,14 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from toponav.baselines.frontier_search import FrontierSearch
+from toponav.baselines.context_search import ContextSearch
 from toponav.baselines.object_scores import ObjectScores
 from toponav.baselines.relevance import Relevance
 from toponav.categories import HM3D_TARGETS
-from toponav.config import NavigatorConfig
 from toponav.control.frontier_clusters import FrontierCluster
 from toponav.control.planner import CostField
 from toponav.mapping.view import MapView
-from toponav.perception.base import Detector
-from toponav.policy.decision import DecisionListener
 from toponav.policy.goal import GoalConfig
-from toponav.reasoning.base import Reasoner
 from toponav.types import Action, Detections, Observation
 
 REPLAN_STEPS = 10
@@ -65,21 +61,10 @@ STOP_M = 0.75
 """The agent stops within this distance of the target, metres: 0.5 m grown, 0.25 m left."""
 
 
-class L3mvnAgent(FrontierSearch):
+class L3mvnAgent(ContextSearch):
     """Goes to a large frontier near by, preferring one whose objects speak for the target."""
 
     initial_turn_deg = 0.0
-
-    def __init__(
-        self,
-        detector: Detector,
-        reasoner: Reasoner,
-        config: NavigatorConfig,
-        listener: DecisionListener,
-    ) -> None:
-        """Take the shared parts; the reasoner gives the affinities."""
-        self._reasoner = reasoner
-        super().__init__(detector, config, listener)
 
     def reset(self, goal: str) -> None:
         """Forget the last episode."""
@@ -89,9 +74,6 @@ class L3mvnAgent(FrontierSearch):
         self._objects = ObjectScores(self._config.map)
         self._planned_at = 0
         self._looked_round = False
-
-    def _wanted_categories(self) -> tuple[str, ...]:
-        return self._full_vocabulary()
 
     def _goal_config(self, shared: GoalConfig) -> GoalConfig:
         """Any cell of the target is a goal."""

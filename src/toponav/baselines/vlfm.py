@@ -23,17 +23,12 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from toponav.baselines.frontier_search import FrontierSearch
-from toponav.baselines.relevance import Relevance
+from toponav.baselines.context_search import ContextSearch
 from toponav.baselines.value_map import ValueMap
-from toponav.config import NavigatorConfig
 from toponav.control.frontier_clusters import FrontierCluster
 from toponav.control.planner import CostField
 from toponav.mapping.view import MapView
-from toponav.perception.base import Detector
-from toponav.policy.decision import DecisionListener
 from toponav.policy.goal import GoalConfig
-from toponav.reasoning.base import Reasoner
 from toponav.types import Detections, Observation
 
 FRONTIER_RADIUS_M = 0.5
@@ -49,32 +44,17 @@ STOP_M = 0.9
 """The agent stops within this distance of the target, metres."""
 
 
-class VlfmAgent(FrontierSearch):
+class VlfmAgent(ContextSearch):
     """Goes to the frontier of the highest value."""
 
     initial_turn_deg: ClassVar[float] = 360.0
 
-    def __init__(
-        self,
-        detector: Detector,
-        reasoner: Reasoner,
-        config: NavigatorConfig,
-        listener: DecisionListener,
-    ) -> None:
-        """Take the shared parts; the reasoner gives the affinities."""
-        self._reasoner = reasoner
-        super().__init__(detector, config, listener)
-
     def reset(self, goal: str) -> None:
         """Forget the last episode."""
         super().reset(goal)
-        self._relevance = Relevance(self._reasoner, self._target)
         self._values: dict[int, ValueMap] = {}
         self._last: NDArray[np.float64] | None = None
         self._last_value = 0.0
-
-    def _wanted_categories(self) -> tuple[str, ...]:
-        return self._full_vocabulary()
 
     def _goal_config(self, shared: GoalConfig) -> GoalConfig:
         return shared.model_copy(update={"stop_distance_m": STOP_M})

@@ -24,18 +24,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from toponav.baselines.frontier_search import FrontierSearch
+from toponav.baselines.context_search import ContextSearch
 from toponav.baselines.object_scores import ObjectScores
-from toponav.baselines.relevance import Relevance
 from toponav.baselines.voronoi_graph import VoronoiGraph, voronoi_graph
-from toponav.config import NavigatorConfig
 from toponav.control.frontier_clusters import FrontierCluster
 from toponav.control.planner import CostField
 from toponav.mapping.view import MapView
-from toponav.perception.base import Detector
-from toponav.policy.decision import DecisionListener
 from toponav.policy.goal import GoalConfig
-from toponav.reasoning.base import Reasoner
 from toponav.types import Detections, Observation
 
 MERGE_M = 0.5
@@ -57,31 +52,16 @@ STOP_M = 1.0
 """The agent stops within this distance of the target, metres."""
 
 
-class VoroNavAgent(FrontierSearch):
+class VoroNavAgent(ContextSearch):
     """Goes from node to node of the Voronoi graph."""
 
     arrival_turn_deg: ClassVar[float] = 360.0
 
-    def __init__(
-        self,
-        detector: Detector,
-        reasoner: Reasoner,
-        config: NavigatorConfig,
-        listener: DecisionListener,
-    ) -> None:
-        """Take the shared parts; the reasoner gives the affinities."""
-        self._reasoner = reasoner
-        super().__init__(detector, config, listener)
-
     def reset(self, goal: str) -> None:
         """Forget the last episode."""
         super().reset(goal)
-        self._relevance = Relevance(self._reasoner, self._target)
         self._objects = ObjectScores(self._config.map)
         self._visited: dict[int, list[NDArray[np.float64]]] = {}
-
-    def _wanted_categories(self) -> tuple[str, ...]:
-        return self._full_vocabulary()
 
     def _goal_config(self, shared: GoalConfig) -> GoalConfig:
         return shared.model_copy(

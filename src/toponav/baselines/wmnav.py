@@ -24,18 +24,13 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from toponav.baselines.context_search import ContextSearch
 from toponav.baselines.curiosity_map import UNSEEN, CuriosityMap
-from toponav.baselines.frontier_search import FrontierSearch
-from toponav.baselines.relevance import Relevance
 from toponav.baselines.seen_floor import seen_floor
-from toponav.config import NavigatorConfig
 from toponav.control.frontier_clusters import FrontierCluster
 from toponav.control.planner import CostField
 from toponav.mapping.view import MapView
-from toponav.perception.base import Detector
-from toponav.policy.decision import DecisionListener
 from toponav.policy.goal import GoalConfig
-from toponav.reasoning.base import Reasoner
 from toponav.types import Detections, Observation
 
 VIEWS = 6
@@ -62,31 +57,16 @@ class View:
     floor_points: NDArray[np.float64]
 
 
-class WmNavAgent(FrontierSearch):
+class WmNavAgent(ContextSearch):
     """Turns round, goes a little way towards the best view, and again."""
 
     arrival_turn_deg: ClassVar[float] = 360.0
 
-    def __init__(
-        self,
-        detector: Detector,
-        reasoner: Reasoner,
-        config: NavigatorConfig,
-        listener: DecisionListener,
-    ) -> None:
-        """Take the shared parts; the reasoner gives the affinities."""
-        self._reasoner = reasoner
-        super().__init__(detector, config, listener)
-
     def reset(self, goal: str) -> None:
         """Forget the last episode."""
         super().reset(goal)
-        self._relevance = Relevance(self._reasoner, self._target)
         self._maps: dict[int, CuriosityMap] = {}
         self._views: list[View] = []
-
-    def _wanted_categories(self) -> tuple[str, ...]:
-        return self._full_vocabulary()
 
     def _goal_config(self, shared: GoalConfig) -> GoalConfig:
         return shared.model_copy(update={"stop_distance_m": STOP_M})

@@ -21,7 +21,7 @@ from toponav.reasoning.base import Reasoner
 from toponav.types import Action, Observation
 
 
-class FrontierSearch:
+class PlannedSearch:
     """Goes from frontier to frontier; its state is the frontier that is gone to."""
 
     def __init__(
