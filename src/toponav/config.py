@@ -63,7 +63,7 @@ class NavigatorConfig(ConfigModel):
 
 _PRESETS: dict[str, dict[str, Any]] = {
     "paper": {},
-    "default": {"decide_on_sight": True, "goal": {"evidence": {}}, "search": {}},
+    "default": {"decide_on_sight": True, "goal": {"evidence": {}, "glimpses": {}}, "search": {}},
 }
 
 

@@ -225,7 +225,8 @@ class Navigator:
         admissible = self._barren.admissible(view.frontiers, self._decisions)
         if self._phase is Phase.EXPLORATION:
             guided = self._memory.frontier_points_of(guidance.node_id, view)[:, :2]
-            return self._search.set_out(guided, view, reach, admissible)
+            glimpses = self._goal.pursue_glimpses(view)
+            return self._search.set_out(guided, glimpses, view, reach, admissible)
         self._search.leave()
         vantage = self._vantage(observation, view, reach)
         if vantage is not None:
@@ -367,5 +368,5 @@ class Navigator:
             self.config.decide_on_sight
             and self._phase is Phase.EXPLORATION
             and self._target in detections.labels
-            and self._goal.is_mapped(view, self._target)
+            and (self._goal.glimpsed or self._goal.is_mapped(view, self._target))
         )

@@ -17,6 +17,7 @@ from toponav.control.search_plan import (
     next_frontier,
 )
 from toponav.mapping.view import MapView
+from toponav.policy.glimpses import Glimpse
 from toponav.reasoning.base import Reasoner
 from toponav.types import Action, Observation
 
@@ -54,6 +55,7 @@ class PlannedSearch:
     def set_out(
         self,
         guided: NDArray[np.float64],
+        glimpses: tuple[Glimpse, ...],
         view: MapView,
         reach: CostField,
         admissible: NDArray[np.bool_],
@@ -62,6 +64,7 @@ class PlannedSearch:
 
         Args:
             guided: (M, 2) frontier cells about the place that the reasoner names.
+            glimpses: Where the target was seen, too far off to be mapped.
             view: The map.
             reach: Cost of walking from the agent to every cell.
             admissible: (F,) which of `view.frontiers` were not just tried in vain.
@@ -69,7 +72,7 @@ class PlannedSearch:
         clusters = self._clusters(view, reach, admissible)
         if clusters:
             seen = {name: a for name, a in self._affinities().items() if name in view.objects}
-            belief = Belief(seen, guided)
+            belief = Belief(seen, guided, glimpses)
             self._waypoint = next_frontier(
                 clusters, belief, view, reach, self._planner, self._config
             )

@@ -17,6 +17,7 @@ from toponav.control.frontier_clusters import FrontierCluster
 from toponav.control.planner import CostField, Planner
 from toponav.mapping.unknown_area import unknown_area_m2
 from toponav.mapping.view import MapView
+from toponav.policy.glimpses import Glimpse
 
 Positive = Annotated[float, Field(gt=0.0)]
 STAIRS = "stairs"
@@ -50,6 +51,9 @@ class SearchPlanConfig(ConfigModel):
     guided_node: Annotated[float, Field(ge=1.0)] = 1.5
     """Factor on frontiers about the place that the reasoner names."""
 
+    glimpse: Annotated[float, Field(ge=0.0)] = 4.0
+    """What a glimpse of the target with score 1 adds to the frontier that leads to it."""
+
     stairs_weight: Annotated[float, Field(ge=0.0, le=1.0)] = 0.05
     """Factor on frontiers on stairs: a floor is searched before it is left."""
 
@@ -73,10 +77,12 @@ class Belief:
     Attributes:
         affinity: By category, how likely the target is beside such an object, in [0, 1].
         guided: (M, 2) frontier cells about the place that the reasoner names.
+        glimpses: Where it was seen, too far off to be mapped.
     """
 
     affinity: Mapping[str, float]
     guided: NDArray[np.float64]
+    glimpses: tuple[Glimpse, ...] = ()
 
 
 def next_frontier(
@@ -98,6 +104,8 @@ def next_frontier(
         config: Weights.
     """
     chance = np.array([_promise(cluster, belief, view, config) for cluster in clusters])
+    for glimpse in belief.glimpses:
+        chance[_leading_to(glimpse.place[None], clusters)] += config.glimpse * glimpse.score
     cost = np.array([cluster.path_cost for cluster in clusters])
     kept = np.argsort(-chance / (cost + 1.0), kind="stable")[: config.places]
     places = np.stack([clusters[k].nearest for k in kept])
@@ -121,11 +129,17 @@ def frontier_towards(
         target_points: (N, 3) the target, N >= 1, world frame, metres.
     """
 
-    def way(cluster: FrontierCluster) -> float:
-        rest = target_points[:, :2] - cluster.nearest[:2]
-        return cluster.path_cost + float(np.hypot(rest[:, 0], rest[:, 1]).min())
+    return clusters[_leading_to(target_points, clusters)].nearest
 
-    return min(clusters, key=way).nearest
+
+def _leading_to(points: NDArray[np.floating], clusters: Sequence[FrontierCluster]) -> int:
+    """The frontier on the shortest way to some points, straight on from its waypoint."""
+
+    def way(k: int) -> float:
+        rest = points[:, :2] - clusters[k].nearest[:2]
+        return clusters[k].path_cost + float(np.hypot(rest[:, 0], rest[:, 1]).min())
+
+    return min(range(len(clusters)), key=way)
 
 
 def _promise(

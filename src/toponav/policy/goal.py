@@ -14,6 +14,7 @@ from toponav.config_model import ConfigModel
 from toponav.geometry import Pose
 from toponav.mapping.view import MapView
 from toponav.policy.evidence import Candidate, EvidenceConfig, TargetEvidence
+from toponav.policy.glimpses import Glimpse, GlimpseConfig, Glimpses
 from toponav.policy.sight import Metres, SightConfig, TargetSight
 from toponav.types import Detections, Observation
 
@@ -63,6 +64,9 @@ class GoalConfig(ConfigModel):
     """Weigh what speaks for and against each candidate; without it, as in the paper, whatever the
     map holds under the target's name is the target."""
 
+    glimpses: GlimpseConfig | None = None
+    """Follow sightings of the target beyond the range of the depth camera."""
+
 
 class GoalTracker:
     """Answers for S_sem, the target's part of the map.
@@ -77,14 +81,27 @@ class GoalTracker:
         self._pointed = np.zeros((0, 3), dtype=np.float32)
         self._evidence: TargetEvidence | None = None
         self._chosen: Candidate | None = None
+        self._glimpses: Glimpses | None = None
 
     def observe(self, observation: Observation, detections: Detections, target: str) -> None:
         """Take the evidence of one frame."""
-        if self.config.evidence is None:
-            return
-        if self._evidence is None:
-            self._evidence = TargetEvidence(self.config.evidence, target)
-        self._evidence.observe(observation, detections)
+        if self.config.glimpses is not None:
+            if self._glimpses is None:
+                self._glimpses = Glimpses(self.config.glimpses, target)
+            self._glimpses.observe(observation, detections)
+        if self.config.evidence is not None:
+            if self._evidence is None:
+                self._evidence = TargetEvidence(self.config.evidence, target)
+            self._evidence.observe(observation, detections)
+
+    @property
+    def glimpsed(self) -> bool:
+        """Whether the last frame showed the target at a new place, too far off to be measured."""
+        return self._glimpses is not None and self._glimpses.fresh
+
+    def pursue_glimpses(self, view: MapView) -> tuple[Glimpse, ...]:
+        """Glimpses of the target on the current storey that are worth one more decision."""
+        return () if self._glimpses is None else self._glimpses.pursue(view.floor_z)
 
     @property
     def candidate(self) -> Candidate | None:
