@@ -63,7 +63,12 @@ class NavigatorConfig(ConfigModel):
 
 _PRESETS: dict[str, dict[str, Any]] = {
     "paper": {},
-    "default": {"decide_on_sight": True, "goal": {"evidence": {}, "glimpses": {}}, "search": {}},
+    "default": {
+        "decide_on_sight": True,
+        "map": {"drops": True},
+        "goal": {"evidence": {}, "glimpses": {}},
+        "search": {},
+    },
 }
 
 

@@ -123,7 +123,7 @@ class Navigator:
             self._decide(observation, view)
         elif self._must_reconsider(detections, view):
             self._decide_from_here(Frame(observation, detections, update, view))
-        else:
+        elif not self._looking_down:
             self._heed(observation, view)
         action = self._walk(observation, view)
         if action is None:  # at the waypoint, or as near as one gets: look around anew
@@ -350,11 +350,18 @@ class Navigator:
 
     def _must_reconsider(self, detections: Detections, view: MapView) -> bool:
         """Whether something on the way calls for a decision before the walk has ended."""
+        if self._looking_down:
+            return False
         return (
             self._sights_target(detections, view)
             or self._lost_target(view)
             or (self._search is not None and self._search.is_gone(view))
         )
+
+    @property
+    def _looking_down(self) -> bool:
+        """Whether the camera is tilted for a moment."""
+        return self._search is not None and self._search.looking_down
 
     def _lost_target(self, view: MapView) -> bool:
         """Whether what was gone to has turned out to be something else."""

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from toponav.control.drops import DropEdges
 from toponav.control.frontier_clusters import FrontierCluster, frontier_clusters
 from toponav.control.locomotion import Locomotion, LocomotionConfig
 from toponav.control.planner import CostField, Planner
@@ -50,7 +51,13 @@ class PlannedSearch:
         self._full_turn = round(360.0 / locomotion.follower.turn_deg)
         self._reasoner = reasoner
         self._waypoint: NDArray[np.float64] | None = None
+        self._drops = DropEdges()
         self._turns = 0
+
+    @property
+    def looking_down(self) -> bool:
+        """Whether the camera is tilted, so that nothing else may be done now."""
+        return self._drops.looking_down
 
     def set_out(
         self,
@@ -70,12 +77,15 @@ class PlannedSearch:
             admissible: (F,) which of `view.frontiers` were not just tried in vain.
         """
         clusters = self._clusters(view, reach, admissible)
-        if clusters:
+        edges = self._drops.clusters(view, reach)
+        if clusters or edges:
             seen = {name: a for name, a in self._affinities().items() if name in view.objects}
             belief = Belief(seen, guided, glimpses)
-            self._waypoint = next_frontier(
-                clusters, belief, view, reach, self._planner, self._config
+            chosen = next_frontier(
+                (clusters, edges), belief, view, reach, self._planner, self._config
             )
+            self._waypoint = chosen.nearest
+            self._drops.approach(edge=chosen in edges)
         return self._waypoint
 
     def set_out_towards(
@@ -94,15 +104,19 @@ class PlannedSearch:
     def leave(self) -> None:
         """Something else than a frontier is gone to."""
         self._waypoint = None
+        self._drops.approach(edge=False)
 
     def is_gone(self, view: MapView) -> bool:
         """Whether the frontier that is gone to has been seen from afar."""
-        if self._waypoint is None:
+        if self._waypoint is None or self._drops.approached:
             return False
         return not bool((_distance(view, self._waypoint) <= self._config.vanished_m).any())
 
     def look(self, observation: Observation, view: MapView, walker: Locomotion) -> Action | None:
         """On arrival, the turn towards what is left of the frontier; None when that is seen."""
+        action = self._drops.look(observation, view, walker)
+        if action is not None:
+            return action
         distance = _distance(view, observation.world_from_base.translation)
         if not (distance <= self._config.rest_m).any() or self._turns >= self._full_turn:
             self._turns = 0
@@ -124,7 +138,7 @@ class PlannedSearch:
         self, view: MapView, reach: CostField, admissible: NDArray[np.bool_]
     ) -> tuple[FrontierCluster, ...]:
         """The frontiers to choose from; the last choice is forgotten."""
-        self._waypoint = None
+        self.leave()
         return frontier_clusters(view, reach, admissible)
 
 

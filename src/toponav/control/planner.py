@@ -12,7 +12,7 @@ from scipy.ndimage import binary_dilation, distance_transform_edt
 
 from toponav.config_model import ConfigModel
 from toponav.control.shortest_paths import NO_PARENT, shortest_paths
-from toponav.mapping.view import FREE, OCCUPIED, OccupancyGrid
+from toponav.mapping.view import DROP, FREE, OCCUPIED, OccupancyGrid
 
 
 class PlannerConfig(ConfigModel):
@@ -141,7 +141,7 @@ class Planner:
             blocked_xy: (N, 2) positions of obstacles that the agent felt and no image shows.
         """
         config = self._config
-        occupied, free = grid.cells == OCCUPIED, grid.cells == FREE
+        occupied, free = np.isin(grid.cells, (OCCUPIED, DROP)), grid.cells == FREE
         if grid.stairs is not None:
             occupied |= _flight_sides(free, grid.stairs, config.max_step_m)
             free &= ~occupied

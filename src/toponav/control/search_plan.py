@@ -20,8 +20,8 @@ from toponav.mapping.view import MapView
 from toponav.policy.glimpses import Glimpse
 
 Positive = Annotated[float, Field(gt=0.0)]
-STAIRS = "stairs"
-"""The category of what leads to another floor."""
+TREAD_M = 0.15
+"""A stair this far above or below the floor leads to another."""
 
 UNREACHABLE_M = 1e4
 """Stands for a way that the map does not know yet."""
@@ -54,11 +54,9 @@ class SearchPlanConfig(ConfigModel):
     glimpse: Annotated[float, Field(ge=0.0)] = 4.0
     """What a glimpse of the target with score 1 adds to the frontier that leads to it."""
 
-    stairs_weight: Annotated[float, Field(ge=0.0, le=1.0)] = 0.05
-    """Factor on frontiers on stairs: a floor is searched before it is left."""
-
-    stairs_m: Positive = 0.6
-    """A frontier this near to stairs is on them."""
+    other_floor: Annotated[float, Field(ge=0.0, le=1.0)] = 0.015
+    """Promise of a frontier on stairs, and of an edge where stairs may lead down: a floor is
+    searched before it is left."""
 
     places: Annotated[int, Field(ge=1, le=MAX_PLACES)] = 10
     """Frontiers whose order is worked out; of more, those that promise most for their distance."""
@@ -86,35 +84,37 @@ class Belief:
 
 
 def next_frontier(
-    clusters: Sequence[FrontierCluster],
+    places: tuple[Sequence[FrontierCluster], Sequence[FrontierCluster]],
     belief: Belief,
     view: MapView,
     reach: CostField,
     planner: Planner,
     config: SearchPlanConfig,
-) -> NDArray[np.float64]:
-    """The (3,) waypoint of the first of the frontiers, in the order that finds the target soonest.
+) -> FrontierCluster:
+    """The first of the frontiers, in the order that finds the target soonest.
 
     Args:
-        clusters: One or more.
+        places: The frontiers, and the edges from which to look down; one or more in all.
         belief: Where the target may be.
         view: The map.
         reach: Cost of walking from the agent to every cell.
         planner: Finds the ways between frontiers.
         config: Weights.
     """
-    chance = np.array([_promise(cluster, belief, view, config) for cluster in clusters])
-    for glimpse in belief.glimpses:
-        chance[_leading_to(glimpse.place[None], clusters)] += config.glimpse * glimpse.score
+    frontiers, edges = places
+    clusters: tuple[FrontierCluster, ...] = (*frontiers, *edges)
+    chance = np.array([_promise(frontier, belief, view, config) for frontier in frontiers])
+    for glimpse in belief.glimpses if frontiers else ():
+        chance[_leading_to(glimpse.place[None], frontiers)] += config.glimpse * glimpse.score
+    chance = np.append(chance, np.full(len(edges), config.other_floor))
     cost = np.array([cluster.path_cost for cluster in clusters])
     kept = np.argsort(-chance / (cost + 1.0), kind="stable")[: config.places]
-    places = np.stack([clusters[k].nearest for k in kept])
-    between = np.stack([planner.cost_field(reach.clearance, p).at(places) for p in places[:, :2]])
+    stands = np.stack([clusters[k].nearest for k in kept])
+    between = np.stack([planner.cost_field(reach.clearance, p).at(stands) for p in stands[:, :2]])
     between = np.minimum(between, between.T)
     between[~np.isfinite(between)] = UNREACHABLE_M
-    first = soonest_order(cost[kept], between, chance[kept])[0]
-    waypoint: NDArray[np.float64] = places[first]
-    return waypoint
+    soonest = soonest_order(cost[kept], between, chance[kept])[0]
+    return clusters[int(kept[soonest])]
 
 
 def frontier_towards(
@@ -128,7 +128,6 @@ def frontier_towards(
         clusters: One or more.
         target_points: (N, 3) the target, N >= 1, world frame, metres.
     """
-
     return clusters[_leading_to(target_points, clusters)].nearest
 
 
@@ -146,6 +145,8 @@ def _promise(
     cluster: FrontierCluster, belief: Belief, view: MapView, config: SearchPlanConfig
 ) -> float:
     """The chance of finding the target beyond a frontier, up to a common factor."""
+    if _is_on_stairs(cluster, view):
+        return config.other_floor
     cells = np.clip(view.grid.index_of(cluster.cells), 0, np.array(view.grid.cells.shape) - 1)
     area = unknown_area_m2(view.grid, cells, config.unknown_reach_m)
     unseen = 1.0 - math.exp(-area / config.unknown_half_m2)
@@ -156,9 +157,15 @@ def _promise(
             nearness = 1.0 / (1.0 + (distance / config.seen_half_m) ** 2)
             likelihood = max(likelihood, affinity * nearness)
     weight = config.guided_node if _holds_any(cluster, belief.guided) else 1.0
-    if STAIRS in view.objects and _distance_to(STAIRS, cluster, view) <= config.stairs_m:
-        weight *= config.stairs_weight
     return weight * unseen * math.pow(likelihood, config.semantic_exponent)
+
+
+def _is_on_stairs(cluster: FrontierCluster, view: MapView) -> bool:
+    """Whether a frontier's waypoint is a tread."""
+    if view.grid.stairs is None:
+        return False
+    i, j = view.grid.index_of(cluster.nearest)
+    return bool(np.abs(view.grid.stairs[i, j]) >= TREAD_M)  # NaN, no stair, is not
 
 
 def _distance_to(category: str, cluster: FrontierCluster, view: MapView) -> float:

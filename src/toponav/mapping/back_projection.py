@@ -31,6 +31,10 @@ BORDER = 1e-6
 there, rounding decides, and it must decide as `floor(x / r)` does."""
 
 
+CROSSING_STRIDE = 2
+"""Every how many rows and columns a line of sight is followed below the floor."""
+
+
 class DepthWindow(NamedTuple):
     """Which pixels count.
 
@@ -97,6 +101,63 @@ class FrameScatter:
             row = _scatter_rows(
                 frame, window, mask, (row, *box[1:]), cloud.arrays, cloud.resolution
             )
+
+    def columns_seen_through(
+        self,
+        plane_z: float,
+        depth_below_m: float,
+        resolution: float,
+        pixels: NDArray[np.bool_],
+    ) -> NDArray[np.int64]:
+        """Where lines of sight cross a plane and go on below it.
+
+        Pixels without a return say nothing: what they show may be too near or too far.
+
+        Args:
+            plane_z: Height of the plane, metres, below the camera.
+            depth_below_m: A line of sight must reach this far below the plane, metres.
+            resolution: Edge of a column, metres.
+            pixels: (H, W) which pixels count.
+
+        Returns:
+            (N, 2) world indices of the columns, each once.
+        """
+        heights = (plane_z, plane_z - depth_below_m)
+        columns = _crossings(self._frame, self._window, heights, resolution, pixels)
+        return np.unique(columns, axis=0)
+
+
+@njit(cache=True)
+def _crossings(
+    frame: _Frame,
+    window: DepthWindow,
+    heights: tuple[float, float],
+    resolution: float,
+    pixels: NDArray[np.bool_],
+) -> NDArray[np.int64]:
+    """(N, 2) columns in which lines of sight cross the first height and end below the second."""
+    plane_z, below_z = heights
+    depth, _, ray_x, ray_y, R, t = frame
+    height, width = depth.shape
+    found = np.empty((height * width // CROSSING_STRIDE**2 + height + width, 2), np.int64)
+    count = 0
+    for v in range(0, height, CROSSING_STRIDE):
+        for u in range(0, width, CROSSING_STRIDE):
+            fall = R[2, 0] * ray_x[u] + R[2, 1] * ray_y[v] + R[2, 2]
+            if fall >= 0.0:
+                continue
+            d = float(depth[v, u])
+            if not pixels[v, u] or d <= window.min_depth or d >= window.max_depth:
+                continue
+            if t[2] + d * fall > below_z:
+                continue
+            d = (plane_z - t[2]) / fall
+            x = d * (R[0, 0] * ray_x[u] + R[0, 1] * ray_y[v] + R[0, 2]) + t[0]
+            y = d * (R[1, 0] * ray_x[u] + R[1, 1] * ray_y[v] + R[1, 2]) + t[1]
+            found[count, 0] = int(np.floor(x / resolution))
+            found[count, 1] = int(np.floor(y / resolution))
+            count += 1
+    return found[:count]
 
 
 @njit(cache=True)

@@ -49,6 +49,7 @@ class Floor:
         grid: G.
         frontiers: M_fro.
         bridges: Interpolated points of M_nav, and those under the agent's feet.
+        treads: Where the agent stood above or below the floor's height.
     """
 
     index: int
@@ -56,6 +57,7 @@ class Floor:
     grid: FloorGrid
     frontiers: FrontierMap
     bridges: VoxelCloud
+    treads: VoxelCloud
 
 
 class FloorLayers:
@@ -84,7 +86,8 @@ class FloorLayers:
     @property
     def nbytes(self) -> int:
         """Memory held, bytes."""
-        floors = sum(f.grid.nbytes + f.frontiers.nbytes + f.bridges.nbytes for f in self._floors)
+        parts = ((f.grid, f.frontiers, f.bridges, f.treads) for f in self._floors)
+        floors = sum(part.nbytes for floor in parts for part in floor)
         return self._codes.nbytes + self._is_stairs.nbytes + floors
 
     def add_floor(self, floor: Floor) -> None:

@@ -9,7 +9,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from toponav.errors import ObservationError
-from toponav.mapping.view import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
+from toponav.mapping.view import DROP, FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 
 Scalar = TypeVar("Scalar", bound=np.generic)
 
@@ -18,6 +18,13 @@ GROWTH_CELLS = 64
 
 MAX_CELLS = 1 << 24
 """Largest storage: 400 m x 400 m of 0.1 m cells, 250 MB; beyond it lies a broken pose."""
+
+DROP_FRAMES = 2
+"""Frames that must see through a column before it is a drop: one may err at an edge."""
+
+OVER_TREADS, SOLID = 128, 255
+"""Instead of such a count: treads were seen under the floor's height, so that interpolation does
+not apply; and where the agent stood, whatever is seen."""
 
 Box = tuple[int, int, int, int]
 """(i_first, j_first, i_end, j_end) in storage cells, ends exclusive."""
@@ -47,6 +54,7 @@ class FloorGrid:
         self._first = (0, 0)
         self._navigable = np.zeros((0, 0), np.int16)
         self._bridged = np.zeros((0, 0), np.bool_)
+        self._seen_through = np.zeros((0, 0), np.uint8)
         self._obstacles = np.zeros((0, 0), np.int16)
         self._cells = np.full((0, 0), UNKNOWN, np.int8)
         self._known = EMPTY_BOX
@@ -70,7 +78,8 @@ class FloorGrid:
     @property
     def nbytes(self) -> int:
         """Memory held, bytes."""
-        arrays = (self._navigable, self._bridged, self._obstacles, self._cells)
+        columns = (self._navigable, self._bridged, self._seen_through)
+        arrays = (*columns, self._obstacles, self._cells)
         return sum(array.nbytes for array in arrays)
 
     def change(self, columns: NDArray[np.int64], navigable: int, obstacles: int) -> None:
@@ -103,11 +112,40 @@ class FloorGrid:
         self._classify(box)
         return new
 
+    def see_through(self, columns: NDArray[np.int64], *, treads: bool) -> None:
+        """Note that one frame saw what lies under columns, so that no floor is there.
+
+        Args:
+            columns: (N, 2) world indices, each once.
+            treads: Whether it saw stairs.
+        """
+        if len(columns):
+            box, local = self._enclose(columns)
+            i, j = local.T
+            count = self._seen_through[i, j]
+            more = np.where(count < DROP_FRAMES, count + 1, count)
+            over = np.where(count < OVER_TREADS, OVER_TREADS, count)
+            self._seen_through[i, j] = over if treads else more
+            self._classify(box)
+
+    def hold(self, columns: NDArray[np.int64]) -> None:
+        """Note that the agent stands on (N, 2) columns."""
+        box, local = self._enclose(columns)
+        self._seen_through[local[:, 0], local[:, 1]] = SOLID
+        self._classify(box)
+
     def observed(self, columns: NDArray[np.int64]) -> NDArray[np.bool_]:
         """(N,) which (N, 2) columns hold an observed navigable voxel; they lie in the storage."""
         i, j = (columns - self._first_column).T
         observed: NDArray[np.bool_] = self._navigable[i, j] > 0
         return observed
+
+    def floor_cells(self) -> NDArray[np.bool_]:
+        """Over the observed extent: the cells with an observed navigable voxel."""
+        i, j, i_end, j_end = self._known
+        n = self._columns_per_cell
+        columns = self._navigable[i * n : i_end * n, j * n : j_end * n] > 0
+        return np.asarray(columns.reshape(i_end - i, n, j_end - j, n).any(axis=(1, 3)))
 
     def covered(self, first: NDArray[np.int64], shape: NDArray[np.int64]) -> NDArray[np.bool_]:
         """A copy of a window of columns: whether each is navigable, observed or bridged.
@@ -150,7 +188,7 @@ class FloorGrid:
         return (i, j, i_last + 1, j_last + 1), columns - self._first_column
 
     def _classify(self, box: Box) -> None:
-        counts = (self._navigable, self._bridged, self._obstacles)
+        counts = (self._navigable, self._bridged, self._seen_through, self._obstacles)
         _classify_box(self._cells, counts, box, self._columns_per_cell, self._min_obstacle_voxels)
         self._known = union(self._known, box)
         self._changed = union(self._changed, box)
@@ -177,6 +215,7 @@ class FloorGrid:
         column_shift = (shift[0] * step, shift[1] * step)
         self._navigable = embedded(self._navigable, column_shape, column_shift)
         self._bridged = embedded(self._bridged, column_shape, column_shift)
+        self._seen_through = embedded(self._seen_through, column_shape, column_shift)
         self._obstacles = embedded(self._obstacles, shape, shift)
         self._cells = embedded(self._cells, shape, shift)
         self._first = (int(new_first[0]), int(new_first[1]))
@@ -235,20 +274,31 @@ def _bridge_gaps(
 @njit(cache=True)
 def _classify_box(
     cells: NDArray[np.int8],
-    counts: tuple[NDArray[np.int16], NDArray[np.bool_], NDArray[np.int16]],
+    counts: tuple[NDArray[np.int16], NDArray[np.bool_], NDArray[np.uint8], NDArray[np.int16]],
     box: Box,
     columns_per_cell: int,
     min_obstacle_voxels: int,
 ) -> None:
-    """G(i, j) of Section III-C; where both M_nav and M_obs project, the obstacle wins."""
-    navigable, bridged, obstacles = counts
+    """G(i, j) of Section III-C; where both M_nav and M_obs project, the obstacle wins.
+
+    Floor that was observed wins over what was seen through, and that over interpolated points.
+    """
+    navigable, bridged, seen_through, obstacles = counts
     for i in range(box[0], box[2]):
         for j in range(box[1], box[3]):
             if obstacles[i, j] >= min_obstacle_voxels:
                 cells[i, j] = OCCUPIED
                 continue
-            cells[i, j] = UNKNOWN
+            observed, free, drop = False, False, False
             for a in range(i * columns_per_cell, (i + 1) * columns_per_cell):
                 for b in range(j * columns_per_cell, (j + 1) * columns_per_cell):
-                    if navigable[a, b] > 0 or bridged[a, b]:
-                        cells[i, j] = FREE
+                    seen = seen_through[a, b]
+                    observed |= navigable[a, b] > 0
+                    free |= bridged[a, b] and (seen < DROP_FRAMES or seen == SOLID)
+                    drop |= seen == DROP_FRAMES
+            if observed:
+                cells[i, j] = FREE
+            elif drop:
+                cells[i, j] = DROP
+            else:
+                cells[i, j] = FREE if free else UNKNOWN

@@ -20,6 +20,8 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
+from scipy.ndimage import binary_closing, distance_transform_edt, maximum
+from scipy.ndimage import label as connected
 
 from toponav.config_model import ConfigModel
 from toponav.errors import ObservationError
@@ -28,13 +30,38 @@ from toponav.mapping.floors import Floor, FloorLayers
 from toponav.mapping.frontiers import FrontierMap
 from toponav.mapping.interpolation import Spacing, disc, interpolate
 from toponav.mapping.occupancy import FloorGrid
-from toponav.mapping.view import FrameUpdate, MapView, OccupancyGrid, PointCloud
+from toponav.mapping.view import (
+    DROP,
+    FREE,
+    OCCUPIED,
+    UNKNOWN,
+    FrameUpdate,
+    MapView,
+    OccupancyGrid,
+    PointCloud,
+)
 from toponav.mapping.voxels import VoxelCloud, columns_of, frozen
 from toponav.types import Detections, Observation
 
 LEVEL_TOLERANCE_M = 0.08
 """How far points may be above or below the foot to count as the ground that the agent stands on:
 depth noise and a sill pass, the next tread of a stair (0.15 m and more) does not."""
+
+TREAD_GAP_M = 0.6
+"""Between treads this near to each other there are only treads: seen from above at a flat angle,
+parts of a flight are hidden, and what is nearer to the foot than this lies under the image."""
+
+STEP_GAP_M = 0.4
+"""Between the lowest tread and the floor, a riser and the shadow of an edge may be unseen."""
+
+FLIGHT_END_M = 0.3
+"""Treads this much below the highest of a flight, or above its lowest, are not its end."""
+
+FLIGHT_M = 4.0
+"""A flight is no longer than this, in plan."""
+
+DEEPEST_M = 3.5
+"""A floor is looked for this far below the foot of an agent on a flight: a storey."""
 
 WALL_CHECK_M = 0.5
 """A column with points up to this far above the foot is a wall or a riser, not ground."""
@@ -95,6 +122,13 @@ class MapConfig(ConfigModel):
 
     level_area_m2: float = Field(default=1.0, gt=0.0)
     """Ground at foot height that a frame must show to found a new floor: more than a tread."""
+
+    drops: bool = False
+    """Note where lines of sight pass below the floor: a stairwell is no floor to walk on, though
+    interpolation between the agent and the floor beyond it says so. Not in the paper."""
+
+    drop_depth_m: float = Field(default=0.3, gt=0.0)
+    """How far below the floor a line of sight must reach, metres: more than one step down."""
 
     @model_validator(mode="after")
     def _check(self) -> MapConfig:
@@ -168,7 +202,11 @@ class SemanticMap:
         self._layers.update(touched)
         navigable = touched[self._layers.are_navigable(touched, floor)]
         points = self._scene.arrays.points[navigable]
-        self._bridge(floor, observation.world_from_base.translation, points)
+        foot = observation.world_from_base.translation
+        self._bridge(floor, foot, points)
+        if config.drops:
+            self._hold_ground(floor, foot)
+            self._look_below(floor, foot, frame, detections)
         return FrameUpdate(points, labels)
 
     def view(self) -> MapView:
@@ -209,26 +247,52 @@ class SemanticMap:
         nearest = min(floors, key=lambda floor: abs(floor.z - foot_z), default=None)
         if nearest is not None and abs(nearest.z - foot_z) <= self.config.floor_separation_m:
             self._floor = nearest
-        elif self._floor is None or self._sees_ground(foot_z, touched):
-            self._floor = self._new_floor(len(floors), foot_z)
+            return nearest
+        z = foot_z if self._floor is None else self._ground_height(observation, touched)
+        if z is not None:
+            self._floor = self._new_floor(len(floors), z)
             self._layers.add_floor(self._floor)
+        assert self._floor is not None
         return self._floor
 
-    def _sees_ground(self, foot_z: float, touched: NDArray[np.int32]) -> bool:
-        """Whether the frame shows enough level ground at foot height; walls do not count."""
+    def _ground_height(self, observation: Observation, touched: NDArray[np.int32]) -> float | None:
+        """Height of a new floor that the frame shows; None without.
+
+        That is at the agent's feet or, where it walks down a flight, the lowest below its treads.
+        """
+        foot = observation.world_from_base.translation
+        foot_z = float(foot[2])
         points = self._scene.arrays.points[touched]
-        above = points[:, 2] - foot_z
+        if self._level_area(points, foot_z) >= self.config.level_area_m2:
+            return foot_z
+        if not self.config.drops:
+            return None
+        assert self._floor is not None
+        treads = self._scene.arrays.points[self._layers.stairs(self._floor)]
+        near = np.hypot(*(treads[:, :2] - foot[:2]).T) <= FLIGHT_M
+        last_tread_z = float(treads[near, 2].min(initial=foot_z))
+        lowest = max(float(points[:, 2].min(initial=foot_z)), foot_z - DEEPEST_M)
+        for z in np.arange(lowest, last_tread_z, LEVEL_TOLERANCE_M):
+            apart = min(abs(floor.z - z) for floor in self._layers.floors)
+            known = apart <= self.config.floor_separation_m
+            if not known and self._level_area(points, z) >= self.config.level_area_m2:
+                level = points[np.abs(points[:, 2] - z) <= LEVEL_TOLERANCE_M, 2]
+                return float(np.median(level))
+        return None
+
+    def _level_area(self, points: NDArray[np.float32], z: float) -> float:
+        """Area of level ground at a height, square metres; walls do not count."""
+        above = points[:, 2] - z
         columns = np.floor(points[:, :2] / self.config.r_pcd).astype(np.int64) @ (1 << 32, 1)
         level = columns[np.abs(above) <= LEVEL_TOLERANCE_M]
         rising = columns[(above > LEVEL_TOLERANCE_M) & (above <= WALL_CHECK_M)]
-        ground = len(np.setdiff1d(level, rising))
-        return bool(ground * self.config.r_pcd**2 >= self.config.level_area_m2)
+        return len(np.setdiff1d(level, rising)) * self.config.r_pcd**2
 
     def _new_floor(self, index: int, z: float) -> Floor:
         config = self.config
         grid = self._empty_grid()
         frontiers = FrontierMap(grid, config.frontier_clearance_cells, config.min_frontier_cells)
-        return Floor(index, z, grid, frontiers, VoxelCloud(config.r_pcd))
+        return Floor(index, z, grid, frontiers, VoxelCloud(config.r_pcd), VoxelCloud(config.r_pcd))
 
     def _empty_grid(self) -> FloorGrid:
         config = self.config
@@ -244,6 +308,33 @@ class SemanticMap:
         self._add_bridges(floor, under_foot)
         stand = np.array([foot[0], foot[1], floor.z])
         self._add_bridges(floor, interpolate(stand, targets, floor.grid, spacing))
+
+    def _hold_ground(self, floor: Floor, foot: NDArray[np.float64]) -> None:
+        """Where the agent stands there is ground, though it may be a tread."""
+        under_foot = disc(foot, self.config.standing_radius_m, self.config.r_pcd)
+        if abs(foot[2] - floor.z) > self.config.delta:
+            floor.treads.add(under_foot)
+            floor.treads.refresh()
+        floor.grid.hold(np.floor(under_foot[:, :2] / self.config.r_pcd).astype(np.int64))
+
+    def _look_below(
+        self,
+        floor: Floor,
+        foot: NDArray[np.float64],
+        frame: FrameScatter,
+        detections: Detections,
+    ) -> None:
+        """Where the frame looks below the floor on which the agent stands."""
+        config = self.config
+        if abs(foot[2] - floor.z) >= config.drop_depth_m:
+            return
+        stairs = np.isin(detections.labels, config.navigable_categories)
+        on_stairs = np.asarray(detections.masks[stairs].any(axis=0))
+        for treads, pixels in ((False, ~on_stairs), (True, on_stairs)):
+            floor.grid.see_through(
+                frame.columns_seen_through(floor.z, config.drop_depth_m, config.r_pcd, pixels),
+                treads=treads,
+            )
 
     def _add_bridges(self, floor: Floor, points: NDArray[np.float64]) -> None:
         columns = np.floor(points[:, :2] / self.config.r_pcd).astype(np.int64)
@@ -267,7 +358,11 @@ class SemanticMap:
                 floor_z=0.0,
             )
         floor = self._floor
+        grid = self._grid(floor)
         frontier_xy, frontier_labels = floor.frontiers.find()
+        if self.config.drops and grid.stairs is not None:
+            kept = _beside_unknown(grid, frontier_xy) & _ends_of_flights(grid, frontier_xy)
+            frontier_xy, frontier_labels = frontier_xy[kept], frontier_labels[kept]
         frontier_z = np.full((len(frontier_xy), 1), floor.z)
         return MapView(
             scene=scene,
@@ -276,22 +371,32 @@ class SemanticMap:
             obstacles=_rows((scene, self._layers.obstacles(floor))),
             frontiers=frozen(np.hstack([frontier_xy, frontier_z])),
             frontier_labels=frozen(frontier_labels),
-            grid=self._grid(floor),
+            grid=grid,
             floor_z=floor.z,
             floor=floor.index,
         )
 
     def _grid(self, floor: Floor) -> OccupancyGrid:
-        """G, with the heights of the stairs on it."""
+        """G, with the heights of the stairs on it.
+
+        With `drops`, gaps between treads are filled, and on treads far enough down what is an
+        obstacle on the floor is over the agent's head.
+        """
+        config = self.config
         grid = floor.grid.snapshot()
-        treads = self._scene.arrays.points[self._layers.stairs(floor)]
+        stairs = self._scene.arrays.points[self._layers.stairs(floor)]
+        treads = np.vstack([stairs, floor.treads.cloud().points])
         if not len(treads):
             return grid
         heights = np.full(grid.cells.shape, -np.inf, np.float32)
         cell = grid.index_of(treads)
         np.maximum.at(heights, (cell[:, 0], cell[:, 1]), treads[:, 2] - np.float32(floor.z))
         heights[np.isneginf(heights)] = np.nan
-        return replace(grid, stairs=frozen(heights))
+        if not config.drops:
+            return replace(grid, stairs=frozen(heights))
+        cells, heights = _filled_flights(grid, heights, floor.grid.floor_cells())
+        cells[heights < config.delta - config.obstacle_top_m] = FREE
+        return replace(grid, cells=frozen(cells), stairs=frozen(heights))
 
     def _navigable(self, floor: Floor, scene: PointCloud) -> PointCloud:
         """M_nav: the observed voxels, then the bridges where nothing was observed."""
@@ -316,3 +421,62 @@ def _rows(*parts: tuple[PointCloud, NDArray[np.int64]]) -> PointCloud:
         np.take(cloud.counts, rows, out=counts[chosen], mode="clip")
         start += len(rows)
     return PointCloud(frozen(points), frozen(colors), frozen(counts))
+
+
+def _beside_unknown(grid: OccupancyGrid, xy: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """(N,) which of (N, 2) places lie in cells with an unknown 4-neighbour."""
+    unknown = np.pad(grid.cells == UNKNOWN, 1, constant_values=True)
+    i, j = (grid.index_of(xy) + 1).T
+    beside: NDArray[np.bool_] = (
+        unknown[i - 1, j] | unknown[i + 1, j] | unknown[i, j - 1] | unknown[i, j + 1]
+    )
+    return beside
+
+
+def _ends_of_flights(grid: OccupancyGrid, xy: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """(N,) which of (N, 2) places are on the floor or at the end of a flight, not at its side."""
+    assert grid.stairs is not None
+    height = np.abs(np.nan_to_num(grid.stairs))
+    flight, count = connected(height > FLIGHT_END_M)
+    farthest = np.append(0.0, maximum(height, flight, np.arange(1, count + 1)))
+    i, j = grid.index_of(xy).T
+    ends: NDArray[np.bool_] = (flight[i, j] == 0) | (
+        height[i, j] >= farthest[flight[i, j]] - FLIGHT_END_M
+    )
+    return ends
+
+
+def _filled_flights(
+    grid: OccupancyGrid, heights: NDArray[np.float32], floor: NDArray[np.bool_]
+) -> tuple[NDArray[np.int8], NDArray[np.float32]]:
+    """Cells and heights of stairs with their gaps closed, those at their foot and head, too.
+
+    Beside treads, floor that no image showed is a guess that they make unlikely, and what was seen
+    through may be more of them: it is unknown.
+    """
+    treads = np.isfinite(heights)
+    open_cells = ~floor & (grid.cells != OCCUPIED)
+    reach = round(0.5 * TREAD_GAP_M / grid.resolution)
+    filled = _closed(treads, reach) & ~treads & open_cells
+    nearest = distance_transform_edt(~treads, return_distances=False, return_indices=True)
+    heights = np.where(filled, heights[tuple(nearest)], heights)
+    treads |= filled
+    guessed = ~treads & (((grid.cells == FREE) & ~floor) | (grid.cells == DROP))
+    beside = distance_transform_edt(~treads) <= reach
+    cells = np.where(guessed & beside, np.int8(UNKNOWN), grid.cells)
+    step = treads & (np.abs(heights) <= FLIGHT_END_M)
+    steps = round(0.5 * STEP_GAP_M / grid.resolution)
+    foot = _closed(step | (floor & (cells == FREE)), steps)
+    foot &= open_cells & (distance_transform_edt(~step) <= 2 * steps)
+    return np.where(filled | foot, np.int8(FREE), cells), heights
+
+
+def _closed(mask: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
+    """A (N_x, N_y) mask with its gaps of up to twice `reach` cells along straight lines closed."""
+    padded = np.pad(mask, 2 * reach)
+    diagonal = np.eye(2 * reach + 1, dtype=np.bool_)
+    straight = np.zeros_like(diagonal)
+    straight[reach] = True
+    lines = (straight, straight.T, diagonal, diagonal[::-1])
+    closed = np.any([binary_closing(padded, line) for line in lines], axis=0)
+    return np.asarray(closed[2 * reach : -2 * reach, 2 * reach : -2 * reach])

@@ -11,6 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 FREE, UNKNOWN, OCCUPIED = 1, 0, -1
 """Values of G(i, j): navigable, otherwise, obstacle."""
 
+DROP = -2
+"""Value of G(i, j) where the floor is missing (a stairwell, an open edge); not in the paper."""
+
 
 @dataclass(frozen=True, eq=False)
 class PointCloud:
@@ -35,7 +38,7 @@ class OccupancyGrid:
     """The 2-D grid G of one floor; `cells[i, j]` covers x in origin + [i, i + 1) * resolution.
 
     Attributes:
-        cells: (N_x, N_y) int8 of FREE, UNKNOWN, OCCUPIED; obstacles take precedence.
+        cells: (N_x, N_y) int8 of FREE, UNKNOWN, OCCUPIED, DROP; obstacles take precedence.
         origin: (x_min, y_min) of cell (0, 0), metres.
         resolution: r_g, metres.
         stairs: (N_x, N_y) float32 height of the highest stair tread over the floor, metres, NaN

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from toponav.mapping.view import OCCUPIED, OccupancyGrid
+from toponav.mapping.view import DROP, OCCUPIED, OccupancyGrid
 
 
 def cells_on_segment(
@@ -39,7 +39,7 @@ def cells_on_segment(
 
 
 def is_clear(grid: OccupancyGrid, start: tuple[float, float], end: tuple[float, float]) -> bool:
-    """Whether no cell of the segment's supercover is OCCUPIED.
+    """Whether no cell of the segment's supercover is OCCUPIED or a DROP.
 
     G(i, j) = -1 exactly where a point of M_obs projects into the cell, so this is the paper's
     condition with a line as wide as a cell. Unknown cells and those outside G hold no obstacle
@@ -47,4 +47,4 @@ def is_clear(grid: OccupancyGrid, start: tuple[float, float], end: tuple[float, 
     """
     cells = cells_on_segment(grid, start, end)
     cells = cells[grid.contains(cells)]
-    return not bool(np.any(grid.cells[cells[:, 0], cells[:, 1]] == OCCUPIED))
+    return not bool(np.isin(grid.cells[cells[:, 0], cells[:, 1]], (OCCUPIED, DROP)).any())

@@ -158,7 +158,7 @@ class Glimpses:
         if not 0 <= column < camera.width:
             return glimpse
         depth = observation.depth[:, column]
-        if 0.0 < depth.min() and depth.max() < z - self._config.same_m / 2.0:
+        if depth.min() > 0.0 and depth.max() < z - self._config.same_m / 2.0:
             return glimpse  # hidden by something as high as the image
         return replace(glimpse, misses=glimpse.misses + 1)
 

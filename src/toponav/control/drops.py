@@ -1,0 +1,153 @@
+"""Edges of the known floor: where a flight of stairs may lead down.
+
+A level camera looks over the edge: from the landing the treads lie below the image. So the agent
+goes to the edge, looks down at what is there, and does not come back to look again; on the flight
+it looks down once more.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation
+from scipy.spatial import cKDTree
+
+from toponav.control.frontier_clusters import FrontierCluster
+from toponav.control.locomotion import Locomotion
+from toponav.control.planner import CostField
+from toponav.mapping.frontiers import label_clusters
+from toponav.mapping.view import DROP, FREE, MapView
+from toponav.memory.traversability import is_clear
+from toponav.types import Action, Observation
+
+MIN_CELLS = 4
+"""Edges of fewer cells are noise, as with frontiers: narrower than an agent."""
+
+STAND_M = 0.5
+"""The agent looks down from within this distance of the edge."""
+
+PEEKED_M = 0.6
+"""Places this near to one from which the agent has looked down are no news."""
+
+BELOW_M = 1.2
+"""The drop, or the next treads, lie within this distance of where the agent looks down."""
+
+ON_FLIGHT_M = 0.3
+"""This far below its floor an agent is on a flight down."""
+
+
+class DropEdges:
+    """The edges that have not been looked down yet, and the look at one of them."""
+
+    def __init__(self) -> None:
+        """Know of none."""
+        self._peeked: list[tuple[NDArray[np.float64], int]] = []
+        self._approached = False
+        self.looking_down = False
+
+    @property
+    def approached(self) -> bool:
+        """Whether an edge is gone to or looked down."""
+        return self._approached
+
+    def approach(self, *, edge: bool) -> None:
+        """Note that an edge is gone to, or something else."""
+        self._approached = edge
+
+    def clusters(self, view: MapView, reach: CostField) -> tuple[FrontierCluster, ...]:
+        """What can be walked to: edges and flights, each with the place from which to look down."""
+        return (*self._edges(view, reach), *self._flights(view, reach))
+
+    def _flights(self, view: MapView, reach: CostField) -> list[FrontierCluster]:
+        """The flights that lead down: on each, the lowest place that can be walked to."""
+        if view.grid.stairs is None:
+            return []
+        on_flight = np.isfinite(reach.cost) & (view.grid.stairs < -ON_FLIGHT_M)
+        cells = np.argwhere(on_flight)
+        labels = label_clusters(on_flight, cells, MIN_CELLS)
+        found = []
+        for label in range(labels.max(initial=-1) + 1):
+            own = cells[labels == label]
+            lowest = own[np.argmin(view.grid.stairs[own[:, 0], own[:, 1]])]
+            spot = view.grid.center_of(lowest)
+            if not self._is_known(spot, view.floor):
+                found.append(
+                    FrontierCluster(
+                        cells=view.grid.center_of(own),
+                        reachable=np.ones(len(own), np.bool_),
+                        nearest=np.array([*spot, view.floor_z]),
+                        path_cost=float(reach.cost[lowest[0], lowest[1]]),
+                    )
+                )
+        return found
+
+    def _edges(self, view: MapView, reach: CostField) -> list[FrontierCluster]:
+        """The edges of the floor."""
+        drop = view.grid.cells == DROP
+        standing = np.argwhere(np.isfinite(reach.cost))
+        if not drop.any() or not len(standing):
+            return []
+        spots, cost = view.grid.center_of(standing), reach.cost[standing[:, 0], standing[:, 1]]
+        news = np.array([not self._is_known(spot, view.floor) for spot in spots], np.bool_)
+        edge = binary_dilation(drop) & (view.grid.cells == FREE)
+        cells = np.argwhere(edge)
+        labels = label_clusters(edge, cells, MIN_CELLS)
+        found = []
+        for label in range(labels.max(initial=-1) + 1):
+            centers = view.grid.center_of(cells[labels == label])
+            away, nearest = cKDTree(spots).query(centers, distance_upper_bound=STAND_M)
+            near = np.isfinite(away)
+            near[near] = news[nearest[near]]
+            order = np.flatnonzero(near)[np.argsort(cost[nearest[near]], kind="stable")]
+            for k in order:
+                spot = spots[nearest[k]]
+                if is_clear(view.grid, tuple(spot), tuple(centers[k])):  # not over a rail
+                    stand = np.array([*spot, view.floor_z])
+                    found.append(FrontierCluster(centers, near, stand, float(cost[nearest[k]])))
+                    break
+        return found
+
+    def look(self, observation: Observation, view: MapView, walker: Locomotion) -> Action | None:
+        """The next action of the look down an edge or flight, on arrival; None if none is due."""
+        here = observation.world_from_base.translation
+        if self.looking_down:
+            self.looking_down, self._approached = False, False
+            self._peeked.append((here[:2].copy(), view.floor))
+            return Action.LOOK_UP
+        on_flight = here[2] < view.floor_z - ON_FLIGHT_M
+        if not self._approached and (not on_flight or self._is_known(here[:2], view.floor)):
+            return None
+        below = _treads_down(here, view) if on_flight else _drop_near(here, view)
+        turn = None if below is None else walker.face(observation, below)
+        if turn is None:
+            self.looking_down = True
+            return Action.LOOK_DOWN
+        return turn
+
+    def _is_known(self, xy: NDArray[np.float64], floor: int) -> bool:
+        """Whether the agent has looked down from nearby."""
+        return any(
+            floor == there and float(np.hypot(*(xy - peeked))) <= PEEKED_M
+            for peeked, there in self._peeked
+        )
+
+
+def _drop_near(here: NDArray[np.float64], view: MapView) -> NDArray[np.float64] | None:
+    """(2,) the middle of the drop that is near; None if there is none."""
+    below = view.grid.center_of(np.argwhere(view.grid.cells == DROP))
+    below = below[np.hypot(*(below - here[:2]).T) <= BELOW_M]
+    return below.mean(axis=0) if len(below) else None
+
+
+def _treads_down(here: NDArray[np.float64], view: MapView) -> NDArray[np.float64] | None:
+    """(2,) the middle of the lowest treads that are near; None if there is none."""
+    if view.grid.stairs is None:
+        return None
+    cells = np.argwhere(np.isfinite(view.grid.stairs))
+    centers = view.grid.center_of(cells)
+    near = np.hypot(*(centers - here[:2]).T) <= BELOW_M
+    if not near.any():
+        return None
+    heights = view.grid.stairs[cells[near, 0], cells[near, 1]]
+    lowest: NDArray[np.float64] = centers[near][heights <= heights.min() + 0.1].mean(axis=0)
+    return lowest
