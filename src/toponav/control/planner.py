@@ -39,6 +39,10 @@ class PlannerConfig(ConfigModel):
     does."""
 
 
+TREAD_CELLS = 3
+"""This near to a tread, a drop may be one that was not seen: one keeps off it, but not clear."""
+
+
 @dataclass(frozen=True, eq=False)
 class Clearance:
     """Where the agent fits, on one grid.
@@ -143,6 +147,8 @@ class Planner:
         config = self._config
         occupied, free = np.isin(grid.cells, (OCCUPIED, DROP)), grid.cells == FREE
         if grid.stairs is not None:
+            on_flight = binary_dilation(np.isfinite(grid.stairs), iterations=TREAD_CELLS)
+            occupied &= ~(on_flight & (grid.cells == DROP))  # treads not seen yet, more likely
             occupied |= _flight_sides(free, grid.stairs, config.max_step_m)
             free &= ~occupied
         if blocked_xy is not None:

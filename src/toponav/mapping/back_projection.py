@@ -103,11 +103,7 @@ class FrameScatter:
             )
 
     def columns_seen_through(
-        self,
-        plane_z: float,
-        depth_below_m: float,
-        resolution: float,
-        pixels: NDArray[np.bool_],
+        self, plane_z: float, depth_below_m: float, resolution: float
     ) -> NDArray[np.int64]:
         """Where lines of sight cross a plane and go on below it.
 
@@ -117,23 +113,18 @@ class FrameScatter:
             plane_z: Height of the plane, metres, below the camera.
             depth_below_m: A line of sight must reach this far below the plane, metres.
             resolution: Edge of a column, metres.
-            pixels: (H, W) which pixels count.
 
         Returns:
             (N, 2) world indices of the columns, each once.
         """
         heights = (plane_z, plane_z - depth_below_m)
-        columns = _crossings(self._frame, self._window, heights, resolution, pixels)
+        columns = _crossings(self._frame, self._window, heights, resolution)
         return np.unique(columns, axis=0)
 
 
 @njit(cache=True)
 def _crossings(
-    frame: _Frame,
-    window: DepthWindow,
-    heights: tuple[float, float],
-    resolution: float,
-    pixels: NDArray[np.bool_],
+    frame: _Frame, window: DepthWindow, heights: tuple[float, float], resolution: float
 ) -> NDArray[np.int64]:
     """(N, 2) columns in which lines of sight cross the first height and end below the second."""
     plane_z, below_z = heights
@@ -147,7 +138,7 @@ def _crossings(
             if fall >= 0.0:
                 continue
             d = float(depth[v, u])
-            if not pixels[v, u] or d <= window.min_depth or d >= window.max_depth:
+            if d <= window.min_depth or d >= window.max_depth:
                 continue
             if t[2] + d * fall > below_z:
                 continue

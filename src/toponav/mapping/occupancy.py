@@ -22,9 +22,8 @@ MAX_CELLS = 1 << 24
 DROP_FRAMES = 2
 """Frames that must see through a column before it is a drop: one may err at an edge."""
 
-OVER_TREADS, SOLID = 128, 255
-"""Instead of such a count: treads were seen under the floor's height, so that interpolation does
-not apply; and where the agent stood, whatever is seen."""
+SOLID = 255
+"""Instead of such a count, where the agent stood: that is no drop, whatever is seen."""
 
 Box = tuple[int, int, int, int]
 """(i_first, j_first, i_end, j_end) in storage cells, ends exclusive."""
@@ -112,20 +111,17 @@ class FloorGrid:
         self._classify(box)
         return new
 
-    def see_through(self, columns: NDArray[np.int64], *, treads: bool) -> None:
+    def see_through(self, columns: NDArray[np.int64]) -> None:
         """Note that one frame saw what lies under columns, so that no floor is there.
 
         Args:
             columns: (N, 2) world indices, each once.
-            treads: Whether it saw stairs.
         """
         if len(columns):
             box, local = self._enclose(columns)
             i, j = local.T
             count = self._seen_through[i, j]
-            more = np.where(count < DROP_FRAMES, count + 1, count)
-            over = np.where(count < OVER_TREADS, OVER_TREADS, count)
-            self._seen_through[i, j] = over if treads else more
+            self._seen_through[i, j] = np.where(count < DROP_FRAMES, count + 1, count)
             self._classify(box)
 
     def hold(self, columns: NDArray[np.int64]) -> None:
@@ -294,7 +290,7 @@ def _classify_box(
                 for b in range(j * columns_per_cell, (j + 1) * columns_per_cell):
                     seen = seen_through[a, b]
                     observed |= navigable[a, b] > 0
-                    free |= bridged[a, b] and (seen < DROP_FRAMES or seen == SOLID)
+                    free |= bridged[a, b] and seen != DROP_FRAMES
                     drop |= seen == DROP_FRAMES
             if observed:
                 cells[i, j] = FREE

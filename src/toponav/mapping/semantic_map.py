@@ -20,7 +20,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
-from scipy.ndimage import binary_closing, distance_transform_edt, maximum
+from scipy.ndimage import binary_closing, binary_opening, distance_transform_edt, maximum
 from scipy.ndimage import label as connected
 
 from toponav.config_model import ConfigModel
@@ -206,7 +206,7 @@ class SemanticMap:
         self._bridge(floor, foot, points)
         if config.drops:
             self._hold_ground(floor, foot)
-            self._look_below(floor, foot, frame, detections)
+            self._look_below(floor, foot, frame)
         return FrameUpdate(points, labels)
 
     def view(self) -> MapView:
@@ -317,24 +317,13 @@ class SemanticMap:
             floor.treads.refresh()
         floor.grid.hold(np.floor(under_foot[:, :2] / self.config.r_pcd).astype(np.int64))
 
-    def _look_below(
-        self,
-        floor: Floor,
-        foot: NDArray[np.float64],
-        frame: FrameScatter,
-        detections: Detections,
-    ) -> None:
+    def _look_below(self, floor: Floor, foot: NDArray[np.float64], frame: FrameScatter) -> None:
         """Where the frame looks below the floor on which the agent stands."""
         config = self.config
         if abs(foot[2] - floor.z) >= config.drop_depth_m:
             return
-        stairs = np.isin(detections.labels, config.navigable_categories)
-        on_stairs = np.asarray(detections.masks[stairs].any(axis=0))
-        for treads, pixels in ((False, ~on_stairs), (True, on_stairs)):
-            floor.grid.see_through(
-                frame.columns_seen_through(floor.z, config.drop_depth_m, config.r_pcd, pixels),
-                treads=treads,
-            )
+        columns = frame.columns_seen_through(floor.z, config.drop_depth_m, config.r_pcd)
+        floor.grid.see_through(columns)
 
     def _add_bridges(self, floor: Floor, points: NDArray[np.float64]) -> None:
         columns = np.floor(points[:, :2] / self.config.r_pcd).astype(np.int64)
@@ -451,19 +440,18 @@ def _filled_flights(
 ) -> tuple[NDArray[np.int8], NDArray[np.float32]]:
     """Cells and heights of stairs with their gaps closed, those at their foot and head, too.
 
-    Beside treads, floor that no image showed is a guess that they make unlikely, and what was seen
-    through may be more of them: it is unknown.
+    Beside treads, floor that no image showed is a guess that they make unlikely: it is a drop.
     """
     treads = np.isfinite(heights)
+    floor = binary_opening(floor, np.ones((2, 2)))  # a line of cells is what a seam shows
     open_cells = ~floor & (grid.cells != OCCUPIED)
     reach = round(0.5 * TREAD_GAP_M / grid.resolution)
     filled = _closed(treads, reach) & ~treads & open_cells
     nearest = distance_transform_edt(~treads, return_distances=False, return_indices=True)
     heights = np.where(filled, heights[tuple(nearest)], heights)
     treads |= filled
-    guessed = ~treads & (((grid.cells == FREE) & ~floor) | (grid.cells == DROP))
-    beside = distance_transform_edt(~treads) <= reach
-    cells = np.where(guessed & beside, np.int8(UNKNOWN), grid.cells)
+    guessed = (grid.cells == FREE) & ~floor & (distance_transform_edt(~treads) <= reach)
+    cells = np.where(guessed & ~treads, np.int8(DROP), grid.cells)
     step = treads & (np.abs(heights) <= FLIGHT_END_M)
     steps = round(0.5 * STEP_GAP_M / grid.resolution)
     foot = _closed(step | (floor & (cells == FREE)), steps)
