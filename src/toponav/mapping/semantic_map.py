@@ -57,6 +57,9 @@ STEP_GAP_M = 0.4
 FLIGHT_END_M = 0.3
 """Treads this much below the highest of a flight, or above its lowest, are not its end."""
 
+STEPS_UP_M = (0.1, 0.18)
+"""How far above the last tread of a flight the next floor is."""
+
 FLIGHT_M = 4.0
 """A flight is no longer than this, in plan."""
 
@@ -258,7 +261,8 @@ class SemanticMap:
     def _ground_height(self, observation: Observation, touched: NDArray[np.int32]) -> float | None:
         """Height of a new floor that the frame shows; None without.
 
-        That is at the agent's feet or, where it walks down a flight, the lowest below its treads.
+        That is at the agent's feet or, where it walks down a flight, the lowest below its treads,
+        or one step above the last tread.
         """
         foot = observation.world_from_base.translation
         foot_z = float(foot[2])
@@ -272,7 +276,8 @@ class SemanticMap:
         near = np.hypot(*(treads[:, :2] - foot[:2]).T) <= FLIGHT_M
         last_tread_z = float(treads[near, 2].min(initial=foot_z))
         lowest = max(float(points[:, 2].min(initial=foot_z)), foot_z - DEEPEST_M)
-        for z in np.arange(lowest, last_tread_z, LEVEL_TOLERANCE_M):
+        below = np.arange(lowest, last_tread_z, LEVEL_TOLERANCE_M)
+        for z in (*below, *(foot_z + np.array(STEPS_UP_M))):
             apart = min(abs(floor.z - z) for floor in self._layers.floors)
             known = apart <= self.config.floor_separation_m
             if not known and self._level_area(points, z) >= self.config.level_area_m2:
