@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from toponav.categories import canonical
 from toponav.config import NavigatorConfig
 from toponav.control.locomotion import Locomotion, Progress
-from toponav.control.planned_search import PlannedSearch
+from toponav.control.planned_search import Hints, PlannedSearch
 from toponav.control.planner import CostField
 from toponav.control.recovery import BarrenWaypoints
 from toponav.control.vantage import further_look, vantage_point
@@ -225,8 +225,9 @@ class Navigator:
         admissible = self._barren.admissible(view.frontiers, self._decisions)
         if self._phase is Phase.EXPLORATION:
             guided = self._memory.frontier_points_of(guidance.node_id, view)[:, :2]
-            glimpses = self._goal.pursue_glimpses(view)
-            return self._search.set_out(guided, glimpses, view, reach, admissible)
+            hints = Hints(guided, self._goal.pursue_glimpses(view))
+            foot_z = float(observation.world_from_base.translation[2])
+            return self._search.set_out(hints, foot_z, view, reach, admissible)
         self._search.leave()
         vantage = self._vantage(observation, view, reach)
         if vantage is not None:

@@ -1,8 +1,8 @@
 """Edges of the known floor: where a flight of stairs may lead down.
 
 A level camera looks over the edge: from the landing the treads lie below the image. So the agent
-goes to the edge, looks down at what is there, and does not come back to look again; on the flight
-it looks down once more.
+goes to the edge, looks down at what is there, and does not come back to look again. At either end
+of a flight it looks down once more: the next floor begins nearer to its feet than a level image.
 """
 
 from __future__ import annotations
@@ -33,7 +33,11 @@ BELOW_M = 1.2
 """The drop, or the next treads, lie within this distance of where the agent looks down."""
 
 ON_FLIGHT_M = 0.3
-"""This far below its floor an agent is on a flight down."""
+"""This far above or below its floor an agent is on a flight."""
+
+
+class DropEdge(FrontierCluster):
+    """An edge of the floor, or the lowest known treads of a flight: a place to look down from."""
 
 
 class DropEdges:
@@ -54,11 +58,11 @@ class DropEdges:
         """Note that an edge is gone to, or something else."""
         self._approached = edge
 
-    def clusters(self, view: MapView, reach: CostField) -> tuple[FrontierCluster, ...]:
+    def clusters(self, view: MapView, reach: CostField) -> tuple[DropEdge, ...]:
         """What can be walked to: edges and flights, each with the place from which to look down."""
         return (*self._edges(view, reach), *self._flights(view, reach))
 
-    def _flights(self, view: MapView, reach: CostField) -> list[FrontierCluster]:
+    def _flights(self, view: MapView, reach: CostField) -> list[DropEdge]:
         """The flights that lead down: on each, the lowest place that can be walked to."""
         if view.grid.stairs is None:
             return []
@@ -72,7 +76,7 @@ class DropEdges:
             spot = view.grid.center_of(lowest)
             if not self._is_known(spot, view.floor):
                 found.append(
-                    FrontierCluster(
+                    DropEdge(
                         cells=view.grid.center_of(own),
                         reachable=np.ones(len(own), np.bool_),
                         nearest=np.array([*spot, view.floor_z]),
@@ -81,7 +85,7 @@ class DropEdges:
                 )
         return found
 
-    def _edges(self, view: MapView, reach: CostField) -> list[FrontierCluster]:
+    def _edges(self, view: MapView, reach: CostField) -> list[DropEdge]:
         """The edges of the floor."""
         drop = view.grid.cells == DROP
         standing = np.argwhere(np.isfinite(reach.cost))
@@ -103,7 +107,7 @@ class DropEdges:
                 spot = spots[nearest[k]]
                 if is_clear(view.grid, tuple(spot), tuple(centers[k])):  # not over a rail
                     stand = np.array([*spot, view.floor_z])
-                    found.append(FrontierCluster(centers, near, stand, float(cost[nearest[k]])))
+                    found.append(DropEdge(centers, near, stand, float(cost[nearest[k]])))
                     break
         return found
 
@@ -114,10 +118,10 @@ class DropEdges:
             self.looking_down, self._approached = False, False
             self._peeked.append((here[:2].copy(), view.floor))
             return Action.LOOK_UP
-        on_flight = here[2] < view.floor_z - ON_FLIGHT_M
+        on_flight = abs(here[2] - view.floor_z) > ON_FLIGHT_M
         if not self._approached and (not on_flight or self._is_known(here[:2], view.floor)):
             return None
-        below = _treads_down(here, view) if on_flight else _drop_near(here, view)
+        below = _last_treads(here, view) if on_flight else _drop_near(here, view)
         turn = None if below is None else walker.face(observation, below)
         if turn is None:
             self.looking_down = True
@@ -139,8 +143,8 @@ def _drop_near(here: NDArray[np.float64], view: MapView) -> NDArray[np.float64] 
     return below.mean(axis=0) if len(below) else None
 
 
-def _treads_down(here: NDArray[np.float64], view: MapView) -> NDArray[np.float64] | None:
-    """(2,) the middle of the lowest treads that are near; None if there is none."""
+def _last_treads(here: NDArray[np.float64], view: MapView) -> NDArray[np.float64] | None:
+    """(2,) the middle of the near treads that are farthest from the floor; None without any."""
     if view.grid.stairs is None:
         return None
     cells = np.argwhere(np.isfinite(view.grid.stairs))
@@ -148,6 +152,6 @@ def _treads_down(here: NDArray[np.float64], view: MapView) -> NDArray[np.float64
     near = np.hypot(*(centers - here[:2]).T) <= BELOW_M
     if not near.any():
         return None
-    heights = view.grid.stairs[cells[near, 0], cells[near, 1]]
-    lowest: NDArray[np.float64] = centers[near][heights <= heights.min() + 0.1].mean(axis=0)
-    return lowest
+    away = np.abs(view.grid.stairs[cells[near, 0], cells[near, 1]])
+    last: NDArray[np.float64] = centers[near][away >= away.max() - 0.1].mean(axis=0)
+    return last

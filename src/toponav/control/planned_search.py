@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from toponav.control.drops import DropEdges
+from toponav.control.drops import ON_FLIGHT_M, DropEdge, DropEdges
 from toponav.control.frontier_clusters import FrontierCluster, frontier_clusters
 from toponav.control.locomotion import Locomotion, LocomotionConfig
 from toponav.control.planner import CostField, Planner
@@ -15,12 +16,27 @@ from toponav.control.search_plan import (
     Belief,
     SearchPlanConfig,
     frontier_towards,
+    is_on_stairs,
+    landing,
     next_frontier,
 )
 from toponav.mapping.view import MapView
 from toponav.policy.glimpses import Glimpse
 from toponav.reasoning.base import Reasoner
 from toponav.types import Action, Observation
+
+
+@dataclass(frozen=True, eq=False)
+class Hints:
+    """What speaks for some of the frontiers.
+
+    Attributes:
+        guided: (M, 2) frontier cells about the place that the reasoner names.
+        glimpses: Where the target was seen, too far off to be mapped.
+    """
+
+    guided: NDArray[np.float64]
+    glimpses: tuple[Glimpse, ...] = ()
 
 
 class PlannedSearch:
@@ -52,6 +68,8 @@ class PlannedSearch:
         self._reasoner = reasoner
         self._waypoint: NDArray[np.float64] | None = None
         self._drops = DropEdges()
+        self._left_floor: int | None = None
+        self._landing = False
         self._turns = 0
 
     @property
@@ -61,8 +79,8 @@ class PlannedSearch:
 
     def set_out(
         self,
-        guided: NDArray[np.float64],
-        glimpses: tuple[Glimpse, ...],
+        hints: Hints,
+        foot_z: float,
         view: MapView,
         reach: CostField,
         admissible: NDArray[np.bool_],
@@ -70,22 +88,33 @@ class PlannedSearch:
         """The (3,) waypoint of the next frontier; None when none is left that can be reached.
 
         Args:
-            guided: (M, 2) frontier cells about the place that the reasoner names.
-            glimpses: Where the target was seen, too far off to be mapped.
+            hints: What speaks for some of the frontiers.
+            foot_z: Height of the agent's foot point, metres.
             view: The map.
             reach: Cost of walking from the agent to every cell.
             admissible: (F,) which of `view.frontiers` were not just tried in vain.
         """
-        clusters = self._clusters(view, reach, admissible)
-        edges = self._drops.clusters(view, reach)
-        if clusters or edges:
-            seen = {name: a for name, a in self._affinities().items() if name in view.objects}
-            belief = Belief(seen, guided, glimpses)
-            chosen = next_frontier(
-                (clusters, edges), belief, view, reach, self._planner, self._config
-            )
-            self._waypoint = chosen.nearest
-            self._drops.approach(edge=chosen in edges)
+        self.leave()
+        on_flight = abs(foot_z - view.floor_z) > ON_FLIGHT_M
+        if not on_flight and view.floor != self._left_floor:
+            self._left_floor = None
+        frontiers, stairs = self._choices(view, reach, admissible)
+        if on_flight and self._left_floor is not None:  # nobody turns round half-way
+            if view.floor != self._left_floor:
+                self._landing = True
+                self._waypoint = landing(view, reach)
+                return self._waypoint
+            frontiers = () if stairs else frontiers
+        if not frontiers and not stairs:
+            return None
+        seen = {name: a for name, a in self._affinities().items() if name in view.objects}
+        belief = Belief(seen, hints.guided, hints.glimpses)
+        choices = (frontiers, stairs)
+        chosen = next_frontier(choices, belief, view, reach, self._planner, self._config)
+        self._waypoint = chosen.nearest
+        self._drops.approach(edge=isinstance(chosen, DropEdge))
+        if chosen in stairs:
+            self._left_floor = view.floor
         return self._waypoint
 
     def set_out_towards(
@@ -104,11 +133,12 @@ class PlannedSearch:
     def leave(self) -> None:
         """Something else than a frontier is gone to."""
         self._waypoint = None
+        self._landing = False
         self._drops.approach(edge=False)
 
     def is_gone(self, view: MapView) -> bool:
         """Whether the frontier that is gone to has been seen from afar."""
-        if self._waypoint is None or self._drops.approached:
+        if self._waypoint is None or self._drops.approached or self._landing:
             return False
         return not bool((_distance(view, self._waypoint) <= self._config.vanished_m).any())
 
@@ -117,6 +147,11 @@ class PlannedSearch:
         action = self._drops.look(observation, view, walker)
         if action is not None:
             return action
+        foot_z = observation.world_from_base.translation[2]
+        at_flight = self._landing or abs(foot_z - view.floor_z) > ON_FLIGHT_M
+        if at_flight and self._turns < self._full_turn:
+            self._turns += 1  # the next floor may go on to any side
+            return Action.TURN_LEFT
         distance = _distance(view, observation.world_from_base.translation)
         if not (distance <= self._config.rest_m).any() or self._turns >= self._full_turn:
             self._turns = 0
@@ -133,6 +168,16 @@ class PlannedSearch:
             values = self._reasoner.object_affinity(self._target, self._names).tolist()
             self._affinity = dict(zip(self._names, values, strict=True))
         return self._affinity
+
+    def _choices(
+        self, view: MapView, reach: CostField, admissible: NDArray[np.bool_]
+    ) -> tuple[tuple[FrontierCluster, ...], tuple[FrontierCluster, ...]]:
+        """What there is on this floor, and what leads to others: stairs and edges."""
+        clusters = frontier_clusters(view, reach, admissible)
+        on_stairs = [is_on_stairs(cluster, view) for cluster in clusters]
+        frontiers = tuple(c for c, stairs in zip(clusters, on_stairs, strict=True) if not stairs)
+        flights = tuple(c for c, stairs in zip(clusters, on_stairs, strict=True) if stairs)
+        return frontiers, (*flights, *self._drops.clusters(view, reach))
 
     def _clusters(
         self, view: MapView, reach: CostField, admissible: NDArray[np.bool_]

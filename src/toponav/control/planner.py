@@ -206,10 +206,22 @@ class Planner:
 def _flight_sides(
     free: NDArray[np.bool_], stairs: NDArray[np.float32], max_step_m: float
 ) -> NDArray[np.bool_]:
-    """(N_x, N_y) stair cells beside plain floor that is too far below or above to step to."""
+    """(N_x, N_y) stair cells beside floor or a tread that is too far below or above to step to.
+
+    Of two such cells it is the one farther from the floor's height.
+    """
     on_stairs = np.isfinite(stairs)
-    beside_floor = binary_dilation(free & ~on_stairs, structure=np.ones((3, 3)))
-    return np.asarray(on_stairs & beside_floor & (np.abs(stairs) > max_step_m))
+    height = np.where(on_stairs, stairs, 0.0)
+    height[~(free | on_stairs)] = np.nan
+    padded = np.pad(height, 1, constant_values=np.nan)
+    sides = np.zeros(free.shape, np.bool_)
+    rows, columns = free.shape
+    for i in range(3):
+        for j in range(3):
+            beside = padded[i : i + rows, j : j + columns]
+            nearer = np.abs(beside) < np.abs(height)
+            sides |= nearer & (np.abs(height - beside) > max_step_m)  # NaN is neither
+    return sides & on_stairs
 
 
 def _distance_to(grid: OccupancyGrid, xy: ArrayLike) -> NDArray[np.float64]:

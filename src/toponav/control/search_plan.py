@@ -94,19 +94,19 @@ def next_frontier(
     """The first of the frontiers, in the order that finds the target soonest.
 
     Args:
-        places: The frontiers, and the edges from which to look down; one or more in all.
+        places: The frontiers of this floor, and what leads to others; one or more in all.
         belief: Where the target may be.
         view: The map.
         reach: Cost of walking from the agent to every cell.
         planner: Finds the ways between frontiers.
         config: Weights.
     """
-    frontiers, edges = places
-    clusters: tuple[FrontierCluster, ...] = (*frontiers, *edges)
+    frontiers, stairs = places
+    clusters: tuple[FrontierCluster, ...] = (*frontiers, *stairs)
     chance = np.array([_promise(frontier, belief, view, config) for frontier in frontiers])
     for glimpse in belief.glimpses if frontiers else ():
         chance[_leading_to(glimpse.place[None], frontiers)] += config.glimpse * glimpse.score
-    chance = np.append(chance, np.full(len(edges), config.other_floor))
+    chance = np.append(chance, np.full(len(stairs), config.other_floor))
     cost = np.array([cluster.path_cost for cluster in clusters])
     kept = np.argsort(-chance / (cost + 1.0), kind="stable")[: config.places]
     stands = np.stack([clusters[k].nearest for k in kept])
@@ -115,6 +115,21 @@ def next_frontier(
     between[~np.isfinite(between)] = UNREACHABLE_M
     soonest = soonest_order(cost[kept], between, chance[kept])[0]
     return clusters[int(kept[soonest])]
+
+
+def landing(view: MapView, reach: CostField) -> NDArray[np.float64] | None:
+    """The (3,) nearest place off the stairs, or the tread nearest to the floor's height.
+
+    None where the agent can walk nowhere.
+    """
+    cells = np.argwhere(np.isfinite(reach.cost))
+    if not len(cells):
+        return None
+    i, j = cells.T
+    stairs = np.full(len(cells), np.nan) if view.grid.stairs is None else view.grid.stairs[i, j]
+    off_floor = np.where(np.abs(stairs) >= TREAD_M, np.abs(stairs), 0.0)  # NaN is no stair
+    first = np.lexsort((reach.cost[i, j], off_floor))[0]
+    return np.array([*view.grid.center_of(cells[first]), view.floor_z])
 
 
 def frontier_towards(
@@ -145,8 +160,6 @@ def _promise(
     cluster: FrontierCluster, belief: Belief, view: MapView, config: SearchPlanConfig
 ) -> float:
     """The chance of finding the target beyond a frontier, up to a common factor."""
-    if _is_on_stairs(cluster, view):
-        return config.other_floor
     cells = np.clip(view.grid.index_of(cluster.cells), 0, np.array(view.grid.cells.shape) - 1)
     area = unknown_area_m2(view.grid, cells, config.unknown_reach_m)
     unseen = 1.0 - math.exp(-area / config.unknown_half_m2)
@@ -160,7 +173,7 @@ def _promise(
     return weight * unseen * math.pow(likelihood, config.semantic_exponent)
 
 
-def _is_on_stairs(cluster: FrontierCluster, view: MapView) -> bool:
+def is_on_stairs(cluster: FrontierCluster, view: MapView) -> bool:
     """Whether a frontier's waypoint is a tread."""
     if view.grid.stairs is None:
         return False

@@ -20,7 +20,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
-from scipy.ndimage import binary_closing, binary_opening, distance_transform_edt, maximum
+from scipy.ndimage import binary_closing, binary_opening, convolve, distance_transform_edt, maximum
 from scipy.ndimage import label as connected
 
 from toponav.config_model import ConfigModel
@@ -51,14 +51,20 @@ TREAD_GAP_M = 0.6
 """Between treads this near to each other there are only treads: seen from above at a flat angle,
 parts of a flight are hidden, and what is nearer to the foot than this lies under the image."""
 
+NEIGHBOURS = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
+
 STEP_GAP_M = 0.4
 """Between the lowest tread and the floor, a riser and the shadow of an edge may be unseen."""
 
 FLIGHT_END_M = 0.3
 """Treads this much below the highest of a flight, or above its lowest, are not its end."""
 
-STEPS_UP_M = (0.1, 0.18)
-"""How far above the last tread of a flight the next floor is."""
+HALF_WAY_M = 0.5
+"""Half-way between two floors the agent stays on the one it comes from until it is this much nearer
+to the other."""
+
+STEPS_UP_M = (0.1, 0.18, 0.26, 0.34, 0.42)
+"""How far above the last treads of a flight the next floor may be."""
 
 FLIGHT_M = 4.0
 """A flight is no longer than this, in plan."""
@@ -249,8 +255,11 @@ class SemanticMap:
         floors = self._layers.floors
         nearest = min(floors, key=lambda floor: abs(floor.z - foot_z), default=None)
         if nearest is not None and abs(nearest.z - foot_z) <= self.config.floor_separation_m:
-            self._floor = nearest
-            return nearest
+            nearer = 0.0 if self._floor is None else abs(self._floor.z - foot_z)
+            nearer -= abs(nearest.z - foot_z)
+            if self._floor is None or nearer > (HALF_WAY_M if self.config.drops else 0.0):
+                self._floor = nearest
+            return self._floor
         z = foot_z if self._floor is None else self._ground_height(observation, touched)
         if z is not None:
             self._floor = self._new_floor(len(floors), z)
@@ -273,10 +282,9 @@ class SemanticMap:
             return None
         assert self._floor is not None
         treads = self._scene.arrays.points[self._layers.stairs(self._floor)]
-        near = np.hypot(*(treads[:, :2] - foot[:2]).T) <= FLIGHT_M
-        last_tread_z = float(treads[near, 2].min(initial=foot_z))
+        treads = treads[np.hypot(*(treads[:, :2] - foot[:2]).T) <= FLIGHT_M]
         lowest = max(float(points[:, 2].min(initial=foot_z)), foot_z - DEEPEST_M)
-        below = np.arange(lowest, last_tread_z, LEVEL_TOLERANCE_M)
+        below = np.arange(lowest, treads[:, 2].min(initial=foot_z), LEVEL_TOLERANCE_M)
         for z in (*below, *(foot_z + np.array(STEPS_UP_M))):
             apart = min(abs(floor.z - z) for floor in self._layers.floors)
             known = apart <= self.config.floor_separation_m
@@ -447,18 +455,41 @@ def _filled_flights(
 
     Beside treads, floor that no image showed is a guess that they make unlikely: it is a drop.
     """
-    treads = np.isfinite(heights)
-    floor = binary_opening(floor, np.ones((2, 2)))  # a line of cells is what a seam shows
-    open_cells = ~floor & (grid.cells != OCCUPIED)
     reach = round(0.5 * TREAD_GAP_M / grid.resolution)
-    filled = _closed(treads, reach) & ~treads & open_cells
-    nearest = distance_transform_edt(~treads, return_distances=False, return_indices=True)
+    stairs = np.argwhere(np.isfinite(heights))
+    low, high = np.maximum(stairs.min(axis=0) - 2 * reach, 0), stairs.max(axis=0) + 2 * reach + 1
+    window = (slice(low[0], high[0]), slice(low[1], high[1]))
+    filled_cells, filled_heights = grid.cells.copy(), heights.copy()
+    filled_cells[window], filled_heights[window] = _fill(
+        grid.cells[window], heights[window], floor[window], grid.resolution
+    )
+    return filled_cells, filled_heights
+
+
+def _fill(
+    cells: NDArray[np.int8],
+    heights: NDArray[np.float32],
+    floor: NDArray[np.bool_],
+    resolution: float,
+) -> tuple[NDArray[np.int8], NDArray[np.float32]]:
+    """The same in a window about the stairs."""
+    seen = np.isfinite(heights)
+    floor = binary_opening(floor, np.ones((2, 2)))  # a line of cells is what a seam shows
+    open_cells = ~floor & (cells != OCCUPIED)
+    reach = round(0.5 * TREAD_GAP_M / resolution)
+    filled = _closed(seen, reach) & ~seen & open_cells
+    nearest = distance_transform_edt(~seen, return_distances=False, return_indices=True)
     heights = np.where(filled, heights[tuple(nearest)], heights)
-    treads |= filled
-    guessed = (grid.cells == FREE) & ~floor & (distance_transform_edt(~treads) <= reach)
-    cells = np.where(guessed & ~treads, np.int8(DROP), grid.cells)
+    treads = seen | filled
+    weight = treads.astype(np.float64)
+    total = np.maximum(convolve(weight, NEIGHBOURS), 1.0)
+    for _ in range(2 * reach):  # an even slope between the treads that were seen
+        mean = convolve(np.where(treads, heights, 0.0), NEIGHBOURS) / total
+        heights = np.where(filled, mean, heights).astype(np.float32)
+    guessed = (cells == FREE) & ~floor & (distance_transform_edt(~treads) <= reach)
+    cells = np.where(guessed & ~treads, np.int8(DROP), cells)
     step = treads & (np.abs(heights) <= FLIGHT_END_M)
-    steps = round(0.5 * STEP_GAP_M / grid.resolution)
+    steps = round(0.5 * STEP_GAP_M / resolution)
     foot = _closed(step | (floor & (cells == FREE)), steps)
     foot &= open_cells & (distance_transform_edt(~step) <= 2 * steps)
     return np.where(filled | foot, np.int8(FREE), cells), heights
