@@ -26,6 +26,10 @@ from toponav.reasoning.base import Reasoner
 from toponav.types import Action, Observation
 
 
+SAME_FLIGHT_M = 5.0
+"""What leads on from the flight on which the agent is lies no farther than this."""
+
+
 @dataclass(frozen=True, eq=False)
 class Hints:
     """What speaks for some of the frontiers.
@@ -104,7 +108,8 @@ class PlannedSearch:
                 self._landing = True
                 self._waypoint = landing(view, reach)
                 return self._waypoint
-            frontiers = () if stairs else frontiers
+            own = tuple(end for end in stairs if end.path_cost <= SAME_FLIGHT_M)
+            frontiers, stairs = ((), own) if own else (frontiers, stairs)
         if not frontiers and not stairs:
             return None
         seen = {name: a for name, a in self._affinities().items() if name in view.objects}
