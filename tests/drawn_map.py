@@ -12,17 +12,17 @@ from toponav.control.planner import CostField, Planner, PlannerConfig
 from toponav.geometry import Intrinsics, Pose
 from toponav.geometry.conventions import BODY_FROM_OPTICAL
 from toponav.mapping.frontiers import label_clusters, mark_frontiers
-from toponav.mapping.view import FREE, OCCUPIED, UNKNOWN, MapView, OccupancyGrid, PointCloud
+from toponav.mapping.view import DROP, FREE, OCCUPIED, UNKNOWN, MapView, OccupancyGrid, PointCloud
 from toponav.types import Detections, Observation
 
 RESOLUTION_M = 0.1
-_CELLS = {".": FREE, "#": OCCUPIED, " ": UNKNOWN}
+_CELLS = {".": FREE, "#": OCCUPIED, " ": UNKNOWN, "v": DROP}
 
 
 def drawn_map(*rows: str, enlarged: int = 1) -> MapView:
-    """The map of a drawing: `.` free, `#` obstacle, blank unknown; x to the right, y downward.
+    """The map of a drawing: `.` free, `#` obstacle, `v` drop, blank unknown.
 
-    Every letter becomes a square of `enlarged` cells of 0.1 m.
+    x runs to the right, y downward. Every letter becomes a square of `enlarged` cells of 0.1 m.
     """
     letters = np.array([[_CELLS[letter] for letter in row] for row in rows], np.int8).T
     cells = np.kron(letters, np.ones((enlarged, enlarged), np.int8))

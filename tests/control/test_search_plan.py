@@ -12,9 +12,12 @@ from toponav.control.search_plan import (
     Belief,
     SearchPlanConfig,
     frontier_towards,
+    is_on_stairs,
+    landing,
     next_frontier,
 )
 from toponav.mapping.view import MapView, PointCloud
+from toponav.policy.glimpses import Glimpse
 
 HALL = drawn_map(
     "##############",
@@ -33,7 +36,12 @@ def chosen_x(view: MapView, x: float, belief: Belief = NOTHING) -> float:
     here = (x, 1.5)
     reach, clusters = reach_from(view, here), clusters_from(view, here)
     planner, config = Planner(PlannerConfig()), SearchPlanConfig()
-    return float(next_frontier(clusters, belief, view, reach, planner, config)[0])
+    on_stairs = [is_on_stairs(cluster, view) for cluster in clusters]
+    places = ([], [])
+    for cluster, stairs in zip(clusters, on_stairs, strict=True):
+        places[stairs].append(cluster)
+    first = next_frontier(places, belief, view, reach, planner, config)
+    return float(first.nearest[0])
 
 
 def with_object(category: str, x: float) -> MapView:
@@ -58,8 +66,28 @@ def test_the_place_that_the_reasoner_names_counts_more() -> None:
     assert chosen_x(HALL, 3.4, Belief({}, right)) > 6.0
 
 
+def with_stairs(below_x: float) -> MapView:
+    """The hall with treads 0.5 m high up to some x."""
+    heights = np.full(HALL.grid.cells.shape, np.nan, np.float32)
+    heights[: int(below_x / HALL.grid.resolution)] = 0.5
+    return replace(HALL, grid=replace(HALL.grid, stairs=heights))
+
+
 def test_stairs_are_left_for_last() -> None:
-    assert chosen_x(with_object("stairs", 0.6), 2.0) > 6.0
+    assert chosen_x(HALL, 2.0) < 1.0
+    assert chosen_x(with_stairs(0.8), 2.0) > 6.0
+
+
+def test_a_glimpse_of_the_target_outweighs_the_way() -> None:
+    glimpse = Glimpse(np.array([9.0, 1.5]), 0.0, score=0.5)
+    assert chosen_x(HALL, 1.5, Belief({}, NOTHING.guided, (glimpse,))) > 6.0
+
+
+def test_from_a_flight_the_landing_is_the_nearest_place_off_it() -> None:
+    view = with_stairs(3.0)
+    spot = landing(view, reach_from(view, (2.9, 1.5)))
+    assert spot is not None
+    assert 3.0 <= spot[0] < 3.2
 
 
 def test_a_target_beyond_is_approached_by_the_frontier_beside_it() -> None:

@@ -51,10 +51,11 @@ def test_walls_at_foot_height_are_no_ground() -> None:
     semantic_map = climbed(standing(0.0))
     upright = np.column_stack([wall[:, 0], np.zeros(len(wall)), foot_z - 1.0 + wall[:, 1]])
     semantic_map._scene.add(upright)
-    assert not semantic_map._sees_ground(foot_z, semantic_map._scene.refresh())
+    foot = np.array([3.0, 0.0, foot_z])
+    assert semantic_map._ground_height(foot, semantic_map._scene.refresh()) is None
     level = np.column_stack([wall[:, 0], 2.0 + wall[:, 1], np.full(len(wall), foot_z)])
     semantic_map._scene.add(level)
-    assert semantic_map._sees_ground(foot_z, semantic_map._scene.refresh())
+    assert semantic_map._ground_height(foot, semantic_map._scene.refresh()) == foot_z
 
 
 def test_a_known_floor_is_entered_again_with_its_index_and_its_map() -> None:

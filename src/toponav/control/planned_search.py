@@ -25,7 +25,6 @@ from toponav.policy.glimpses import Glimpse
 from toponav.reasoning.base import Reasoner
 from toponav.types import Action, Observation
 
-
 SAME_FLIGHT_M = 5.0
 """What leads on from the flight on which the agent is lies no farther than this."""
 

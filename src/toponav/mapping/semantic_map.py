@@ -20,60 +20,23 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
-from scipy.ndimage import binary_closing, binary_opening, convolve, distance_transform_edt, maximum
-from scipy.ndimage import label as connected
 
 from toponav.config_model import ConfigModel
 from toponav.errors import ObservationError
 from toponav.mapping.back_projection import DepthWindow, FrameScatter
+from toponav.mapping.flights import beside_unknown, ends_of_flights, filled_flights
 from toponav.mapping.floors import Floor, FloorLayers
 from toponav.mapping.frontiers import FrontierMap
+from toponav.mapping.ground import height_of, heights_ahead, level_area_m2
 from toponav.mapping.interpolation import Spacing, disc, interpolate
 from toponav.mapping.occupancy import FloorGrid
-from toponav.mapping.view import (
-    DROP,
-    FREE,
-    OCCUPIED,
-    UNKNOWN,
-    FrameUpdate,
-    MapView,
-    OccupancyGrid,
-    PointCloud,
-)
+from toponav.mapping.view import FREE, FrameUpdate, MapView, OccupancyGrid, PointCloud
 from toponav.mapping.voxels import VoxelCloud, columns_of, frozen
 from toponav.types import Detections, Observation
-
-LEVEL_TOLERANCE_M = 0.08
-"""How far points may be above or below the foot to count as the ground that the agent stands on:
-depth noise and a sill pass, the next tread of a stair (0.15 m and more) does not."""
-
-TREAD_GAP_M = 0.6
-"""Between treads this near to each other there are only treads: seen from above at a flat angle,
-parts of a flight are hidden, and what is nearer to the foot than this lies under the image."""
-
-NEIGHBOURS = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
-
-STEP_GAP_M = 0.4
-"""Between the lowest tread and the floor, a riser and the shadow of an edge may be unseen."""
-
-FLIGHT_END_M = 0.3
-"""Treads this much below the highest of a flight, or above its lowest, are not its end."""
 
 HALF_WAY_M = 0.5
 """Half-way between two floors the agent stays on the one it comes from until it is this much nearer
 to the other."""
-
-STEPS_UP_M = (0.1, 0.18, 0.26, 0.34, 0.42)
-"""How far above the last treads of a flight the next floor may be."""
-
-FLIGHT_M = 4.0
-"""A flight is no longer than this, in plan."""
-
-DEEPEST_M = 3.5
-"""A floor is looked for this far below the foot of an agent on a flight: a storey."""
-
-WALL_CHECK_M = 0.5
-"""A column with points up to this far above the foot is a wall or a riser, not ground."""
 
 
 class MapConfig(ConfigModel):
@@ -132,9 +95,10 @@ class MapConfig(ConfigModel):
     level_area_m2: float = Field(default=1.0, gt=0.0)
     """Ground at foot height that a frame must show to found a new floor: more than a tread."""
 
-    drops: bool = False
-    """Note where lines of sight pass below the floor: a stairwell is no floor to walk on, though
-    interpolation between the agent and the floor beyond it says so. Not in the paper."""
+    stairwells: bool = False
+    """Stairs that lead down as well as up: no floor where lines of sight pass below it, though
+    interpolation says so, no gaps in flights, and the next floor as soon as it is seen from them.
+    Not in the paper."""
 
     drop_depth_m: float = Field(default=0.3, gt=0.0)
     """How far below the floor a line of sight must reach, metres: more than one step down."""
@@ -213,7 +177,7 @@ class SemanticMap:
         points = self._scene.arrays.points[navigable]
         foot = observation.world_from_base.translation
         self._bridge(floor, foot, points)
-        if config.drops:
+        if config.stairwells:
             self._hold_ground(floor, foot)
             self._look_below(floor, foot, frame)
         return FrameUpdate(points, labels)
@@ -257,49 +221,32 @@ class SemanticMap:
         if nearest is not None and abs(nearest.z - foot_z) <= self.config.floor_separation_m:
             nearer = 0.0 if self._floor is None else abs(self._floor.z - foot_z)
             nearer -= abs(nearest.z - foot_z)
-            if self._floor is None or nearer > (HALF_WAY_M if self.config.drops else 0.0):
+            if self._floor is None or nearer > (HALF_WAY_M if self.config.stairwells else 0.0):
                 self._floor = nearest
             return self._floor
-        z = foot_z if self._floor is None else self._ground_height(observation, touched)
+        foot = observation.world_from_base.translation
+        z = foot_z if self._floor is None else self._ground_height(foot, touched)
         if z is not None:
             self._floor = self._new_floor(len(floors), z)
             self._layers.add_floor(self._floor)
         assert self._floor is not None
         return self._floor
 
-    def _ground_height(self, observation: Observation, touched: NDArray[np.int32]) -> float | None:
-        """Height of a new floor that the frame shows; None without.
-
-        That is at the agent's feet or, where it walks down a flight, the lowest below its treads,
-        or one step above the last tread.
-        """
-        foot = observation.world_from_base.translation
-        foot_z = float(foot[2])
+    def _ground_height(self, foot: NDArray[np.float64], touched: NDArray[np.int32]) -> float | None:
+        """Height of a new floor that the frame shows; None without."""
+        config = self.config
         points = self._scene.arrays.points[touched]
-        if self._level_area(points, foot_z) >= self.config.level_area_m2:
-            return foot_z
-        if not self.config.drops:
+        if level_area_m2(points, foot[2], config.r_pcd) >= config.level_area_m2:
+            return float(foot[2])
+        if not config.stairwells or self._floor is None:
             return None
-        assert self._floor is not None
         treads = self._scene.arrays.points[self._layers.stairs(self._floor)]
-        treads = treads[np.hypot(*(treads[:, :2] - foot[:2]).T) <= FLIGHT_M]
-        lowest = max(float(points[:, 2].min(initial=foot_z)), foot_z - DEEPEST_M)
-        below = np.arange(lowest, treads[:, 2].min(initial=foot_z), LEVEL_TOLERANCE_M)
-        for z in (*below, *(foot_z + np.array(STEPS_UP_M))):
+        for z in heights_ahead(foot, points, treads):
             apart = min(abs(floor.z - z) for floor in self._layers.floors)
-            known = apart <= self.config.floor_separation_m
-            if not known and self._level_area(points, z) >= self.config.level_area_m2:
-                level = points[np.abs(points[:, 2] - z) <= LEVEL_TOLERANCE_M, 2]
-                return float(np.median(level))
+            is_new = apart > config.floor_separation_m
+            if is_new and level_area_m2(points, z, config.r_pcd) >= config.level_area_m2:
+                return height_of(points, z)
         return None
-
-    def _level_area(self, points: NDArray[np.float32], z: float) -> float:
-        """Area of level ground at a height, square metres; walls do not count."""
-        above = points[:, 2] - z
-        columns = np.floor(points[:, :2] / self.config.r_pcd).astype(np.int64) @ (1 << 32, 1)
-        level = columns[np.abs(above) <= LEVEL_TOLERANCE_M]
-        rising = columns[(above > LEVEL_TOLERANCE_M) & (above <= WALL_CHECK_M)]
-        return len(np.setdiff1d(level, rising)) * self.config.r_pcd**2
 
     def _new_floor(self, index: int, z: float) -> Floor:
         config = self.config
@@ -362,8 +309,8 @@ class SemanticMap:
         floor = self._floor
         grid = self._grid(floor)
         frontier_xy, frontier_labels = floor.frontiers.find()
-        if self.config.drops and grid.stairs is not None:
-            kept = _beside_unknown(grid, frontier_xy) & _ends_of_flights(grid, frontier_xy)
+        if self.config.stairwells and grid.stairs is not None:
+            kept = beside_unknown(grid, frontier_xy) & ends_of_flights(grid, frontier_xy)
             frontier_xy, frontier_labels = frontier_xy[kept], frontier_labels[kept]
         frontier_z = np.full((len(frontier_xy), 1), floor.z)
         return MapView(
@@ -381,7 +328,7 @@ class SemanticMap:
     def _grid(self, floor: Floor) -> OccupancyGrid:
         """G, with the heights of the stairs on it.
 
-        With `drops`, gaps between treads are filled, and on treads far enough down what is an
+        With `stairwells`, gaps between treads are filled, and on treads far enough down what is an
         obstacle on the floor is over the agent's head.
         """
         config = self.config
@@ -394,9 +341,9 @@ class SemanticMap:
         cell = grid.index_of(treads)
         np.maximum.at(heights, (cell[:, 0], cell[:, 1]), treads[:, 2] - np.float32(floor.z))
         heights[np.isneginf(heights)] = np.nan
-        if not config.drops:
+        if not config.stairwells:
             return replace(grid, stairs=frozen(heights))
-        cells, heights = _filled_flights(grid, heights, floor.grid.floor_cells())
+        cells, heights = filled_flights(grid, heights, floor.grid.floor_cells())
         cells[heights < config.delta - config.obstacle_top_m] = FREE
         return replace(grid, cells=frozen(cells), stairs=frozen(heights))
 
@@ -423,84 +370,3 @@ def _rows(*parts: tuple[PointCloud, NDArray[np.int64]]) -> PointCloud:
         np.take(cloud.counts, rows, out=counts[chosen], mode="clip")
         start += len(rows)
     return PointCloud(frozen(points), frozen(colors), frozen(counts))
-
-
-def _beside_unknown(grid: OccupancyGrid, xy: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """(N,) which of (N, 2) places lie in cells with an unknown 4-neighbour."""
-    unknown = np.pad(grid.cells == UNKNOWN, 1, constant_values=True)
-    i, j = (grid.index_of(xy) + 1).T
-    beside: NDArray[np.bool_] = (
-        unknown[i - 1, j] | unknown[i + 1, j] | unknown[i, j - 1] | unknown[i, j + 1]
-    )
-    return beside
-
-
-def _ends_of_flights(grid: OccupancyGrid, xy: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """(N,) which of (N, 2) places are on the floor or at the end of a flight, not at its side."""
-    assert grid.stairs is not None
-    height = np.abs(np.nan_to_num(grid.stairs))
-    flight, count = connected(height > FLIGHT_END_M)
-    farthest = np.append(0.0, maximum(height, flight, np.arange(1, count + 1)))
-    i, j = grid.index_of(xy).T
-    ends: NDArray[np.bool_] = (flight[i, j] == 0) | (
-        height[i, j] >= farthest[flight[i, j]] - FLIGHT_END_M
-    )
-    return ends
-
-
-def _filled_flights(
-    grid: OccupancyGrid, heights: NDArray[np.float32], floor: NDArray[np.bool_]
-) -> tuple[NDArray[np.int8], NDArray[np.float32]]:
-    """Cells and heights of stairs with their gaps closed, those at their foot and head, too.
-
-    Beside treads, floor that no image showed is a guess that they make unlikely: it is a drop.
-    """
-    reach = round(0.5 * TREAD_GAP_M / grid.resolution)
-    stairs = np.argwhere(np.isfinite(heights))
-    low, high = np.maximum(stairs.min(axis=0) - 2 * reach, 0), stairs.max(axis=0) + 2 * reach + 1
-    window = (slice(low[0], high[0]), slice(low[1], high[1]))
-    filled_cells, filled_heights = grid.cells.copy(), heights.copy()
-    filled_cells[window], filled_heights[window] = _fill(
-        grid.cells[window], heights[window], floor[window], grid.resolution
-    )
-    return filled_cells, filled_heights
-
-
-def _fill(
-    cells: NDArray[np.int8],
-    heights: NDArray[np.float32],
-    floor: NDArray[np.bool_],
-    resolution: float,
-) -> tuple[NDArray[np.int8], NDArray[np.float32]]:
-    """The same in a window about the stairs."""
-    seen = np.isfinite(heights)
-    floor = binary_opening(floor, np.ones((2, 2)))  # a line of cells is what a seam shows
-    open_cells = ~floor & (cells != OCCUPIED)
-    reach = round(0.5 * TREAD_GAP_M / resolution)
-    filled = _closed(seen, reach) & ~seen & open_cells
-    nearest = distance_transform_edt(~seen, return_distances=False, return_indices=True)
-    heights = np.where(filled, heights[tuple(nearest)], heights)
-    treads = seen | filled
-    weight = treads.astype(np.float64)
-    total = np.maximum(convolve(weight, NEIGHBOURS), 1.0)
-    for _ in range(2 * reach):  # an even slope between the treads that were seen
-        mean = convolve(np.where(treads, heights, 0.0), NEIGHBOURS) / total
-        heights = np.where(filled, mean, heights).astype(np.float32)
-    guessed = (cells == FREE) & ~floor & (distance_transform_edt(~treads) <= reach)
-    cells = np.where(guessed & ~treads, np.int8(DROP), cells)
-    step = treads & (np.abs(heights) <= FLIGHT_END_M)
-    steps = round(0.5 * STEP_GAP_M / resolution)
-    foot = _closed(step | (floor & (cells == FREE)), steps)
-    foot &= open_cells & (distance_transform_edt(~step) <= 2 * steps)
-    return np.where(filled | foot, np.int8(FREE), cells), heights
-
-
-def _closed(mask: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
-    """A (N_x, N_y) mask with its gaps of up to twice `reach` cells along straight lines closed."""
-    padded = np.pad(mask, 2 * reach)
-    diagonal = np.eye(2 * reach + 1, dtype=np.bool_)
-    straight = np.zeros_like(diagonal)
-    straight[reach] = True
-    lines = (straight, straight.T, diagonal, diagonal[::-1])
-    closed = np.any([binary_closing(padded, line) for line in lines], axis=0)
-    return np.asarray(closed[2 * reach : -2 * reach, 2 * reach : -2 * reach])

@@ -95,9 +95,9 @@ class Glimpses:
         looked = [self._look_at(glimpse, observation) for glimpse in self._open]
         self._open = [g for g in looked if g.misses < self._config.looks]
         for k, label in enumerate(detections.labels):
-            if label != self._target:
-                continue
             mask = detections.masks[k]
+            if label != self._target or not mask.any():
+                continue
             measured = np.count_nonzero(observation.depth[mask])
             if measured > (1.0 - self._config.unmeasured) * np.count_nonzero(mask):
                 self._forget_along(observation, mask)

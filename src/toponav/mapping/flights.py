@@ -1,0 +1,113 @@
+"""Flights of stairs on the grid: gaps between treads, ends, and what the wells beside them hide.
+
+From a landing a flight that leads down is seen at a flat angle or not at all, and interpolation
+between the agent and the floor beyond the well would have one walk on air.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import (
+    binary_closing,
+    binary_opening,
+    convolve,
+    distance_transform_edt,
+    label,
+    maximum,
+)
+
+from toponav.mapping.view import DROP, FREE, OCCUPIED, UNKNOWN, OccupancyGrid
+
+TREAD_GAP_M = 0.6
+"""Between treads this near to each other there are only treads: seen from above at a flat angle,
+parts of a flight are hidden, and what is nearer to the foot than this lies under the image."""
+
+STEP_GAP_M = 0.4
+"""Between the lowest tread and the floor, a riser and the shadow of an edge may be unseen."""
+
+FLIGHT_END_M = 0.3
+"""Treads this much below the highest of a flight, or above its lowest, are not its end."""
+
+NEIGHBOURS = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
+
+
+def beside_unknown(grid: OccupancyGrid, xy: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """(N,) which of (N, 2) places lie in cells with an unknown 4-neighbour."""
+    unknown = np.pad(grid.cells == UNKNOWN, 1, constant_values=True)
+    i, j = (grid.index_of(xy) + 1).T
+    beside: NDArray[np.bool_] = (
+        unknown[i - 1, j] | unknown[i + 1, j] | unknown[i, j - 1] | unknown[i, j + 1]
+    )
+    return beside
+
+
+def ends_of_flights(grid: OccupancyGrid, xy: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """(N,) which of (N, 2) places are on the floor or at the end of a flight, not at its side."""
+    assert grid.stairs is not None
+    height = np.abs(np.nan_to_num(grid.stairs))
+    flight, count = label(height > FLIGHT_END_M)
+    farthest = np.append(0.0, maximum(height, flight, np.arange(1, count + 1)))
+    i, j = grid.index_of(xy).T
+    ends: NDArray[np.bool_] = (flight[i, j] == 0) | (
+        height[i, j] >= farthest[flight[i, j]] - FLIGHT_END_M
+    )
+    return ends
+
+
+def filled_flights(
+    grid: OccupancyGrid, heights: NDArray[np.float32], floor: NDArray[np.bool_]
+) -> tuple[NDArray[np.int8], NDArray[np.float32]]:
+    """Cells and heights of stairs with their gaps closed, those at their foot and head, too.
+
+    Beside treads, floor that no image showed is a guess that they make unlikely: it is a drop.
+    """
+    reach = round(0.5 * TREAD_GAP_M / grid.resolution)
+    stairs = np.argwhere(np.isfinite(heights))
+    low, high = np.maximum(stairs.min(axis=0) - 2 * reach, 0), stairs.max(axis=0) + 2 * reach + 1
+    window = (slice(low[0], high[0]), slice(low[1], high[1]))
+    filled_cells, filled_heights = grid.cells.copy(), heights.copy()
+    filled_cells[window], filled_heights[window] = _fill(
+        grid.cells[window], heights[window], floor[window], grid.resolution
+    )
+    return filled_cells, filled_heights
+
+
+def _fill(
+    cells: NDArray[np.int8],
+    heights: NDArray[np.float32],
+    floor: NDArray[np.bool_],
+    resolution: float,
+) -> tuple[NDArray[np.int8], NDArray[np.float32]]:
+    """The same in a window about the stairs."""
+    seen = np.isfinite(heights)
+    floor = binary_opening(floor, np.ones((2, 2)))  # a line of cells is what a seam shows
+    open_cells = ~floor & (cells != OCCUPIED)
+    reach = round(0.5 * TREAD_GAP_M / resolution)
+    filled = _closed(seen, reach) & ~seen & open_cells
+    nearest = distance_transform_edt(~seen, return_distances=False, return_indices=True)
+    heights = np.where(filled, heights[tuple(nearest)], heights)
+    treads = seen | filled
+    weight = treads.astype(np.float64)
+    total = np.maximum(convolve(weight, NEIGHBOURS), 1.0)
+    for _ in range(2 * reach):  # an even slope between the treads that were seen
+        mean = convolve(np.where(treads, heights, 0.0), NEIGHBOURS) / total
+        heights = np.where(filled, mean, heights).astype(np.float32)
+    guessed = (cells == FREE) & ~floor & (distance_transform_edt(~treads) <= reach)
+    cells = np.where(guessed & ~treads, np.int8(DROP), cells)
+    step = treads & (np.abs(heights) <= FLIGHT_END_M)
+    steps = round(0.5 * STEP_GAP_M / resolution)
+    foot = _closed(step | (floor & (cells == FREE)), steps)
+    foot &= open_cells & (distance_transform_edt(~step) <= 2 * steps)
+    return np.where(filled | foot, np.int8(FREE), cells), heights
+
+
+def _closed(mask: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
+    """A (N_x, N_y) mask with its gaps of up to twice `reach` cells along straight lines closed."""
+    padded = np.pad(mask, 2 * reach)
+    diagonal = np.eye(2 * reach + 1, dtype=np.bool_)
+    straight = np.zeros_like(diagonal)
+    straight[reach] = True
+    lines = (straight, straight.T, diagonal, diagonal[::-1])
+    closed = np.any([binary_closing(padded, line) for line in lines], axis=0)
+    return np.asarray(closed[2 * reach : -2 * reach, 2 * reach : -2 * reach])
