@@ -19,7 +19,7 @@ MEMORY = MAPPING | PERCEPTION | {"memory"}
 REASONING = MEMORY | {"reasoning"}
 POLICY = REASONING | {"policy"}
 CONTROL = POLICY | {"control"}
-AGENTS = CONTROL | {"config", "navigator", "baselines", "methods"}
+AGENTS = CONTROL | {"config", "knowledge", "navigator", "baselines", "methods"}
 DATASETS = BASE | {"datasets"}
 EVALUATION = AGENTS | {"envs", "scenes", "datasets", "evaluation"}
 ALLOWED = {
@@ -37,7 +37,8 @@ ALLOWED = {
     "policy": POLICY,
     "control": CONTROL,
     "config": CONTROL | {"config"},
-    "navigator": CONTROL | {"config", "navigator"},
+    "knowledge": MEMORY | {"files", "knowledge"},
+    "navigator": CONTROL | {"config", "knowledge", "navigator"},
     "baselines": AGENTS - {"navigator", "methods"},
     "methods": AGENTS,
     "scenes": SCENES,

@@ -19,6 +19,7 @@ from toponav.control.planner import CostField
 from toponav.control.recovery import BarrenWaypoints
 from toponav.control.vantage import further_look, vantage_point
 from toponav.geometry import Pose
+from toponav.knowledge import Knowledge
 from toponav.mapping.semantic_map import SemanticMap
 from toponav.mapping.view import FrameUpdate, MapView
 from toponav.memory.builder import MemoryBuilder
@@ -80,6 +81,7 @@ class Navigator:
         self._reasoner = reasoner
         self._counsel: Counsel = Waiting(reasoner)
         self._listener = listener or Listeners()
+        self._recalled: Knowledge | None = None
         self.reset("")
 
     def reset(self, goal: str) -> None:
@@ -87,10 +89,14 @@ class Navigator:
         config = self.config
         self._target = canonical(goal)
         self._vocabulary = tuple(dict.fromkeys((self._target, *config.vocabulary)))
-        self._map = SemanticMap(config.map)
-        self._memory = MemoryBuilder(config.memory)
+        known, self._recalled = self._recalled, None
+        self._map = SemanticMap(config.map) if known is None else known.semantic_map
+        self._map.leave()
+        self._memory = MemoryBuilder(config.memory, None if known is None else known.memory)
         self._panorama = Panorama(config.panorama, config.map.r_pcd)
         self._goal = GoalTracker(config.goal)
+        if known is not None:
+            self._goal.recall(known.semantic_map.view().objects, self._target)
         self._locomotion = Locomotion(config.locomotion)
         self._barren = BarrenWaypoints(config.locomotion.recovery)
         self._odometry = Odometry()
@@ -108,6 +114,15 @@ class Navigator:
         self._decisions = 0
         self._counsel.close()
         self._counsel = counsel(self._reasoner, PriorReasoner(), config.counsel)
+
+    @property
+    def knowledge(self) -> Knowledge:
+        """The map and the memory by now."""
+        return Knowledge(self._map, self._memory.memory)
+
+    def recall(self, knowledge: Knowledge) -> None:
+        """Start with an earlier episode's map and memory after the next `reset`."""
+        self._recalled = knowledge
 
     def act(self, observation: Observation) -> Action:
         """The next action: one more view of the panorama, a step of the path, or stop."""

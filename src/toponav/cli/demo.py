@@ -44,6 +44,6 @@ class Demo:
         folder = fresh_folder(self.out)
         scene = load_scene(f"generated:{self.seed}")
         config = resolve_config(AgentOptions(seed=self.seed))
-        result = run_one(scene, config, EpisodeWish(self.target), folder, output)
+        result = run_one(scene, config, EpisodeWish(self.target), folder, output).result
         output.say(f"pictures and records: {folder}")
         output.result(result_line(result), result_data(result, folder))

@@ -14,6 +14,7 @@ from toponav.categories import readable
 from toponav.cli.console import Output
 from toponav.config import config_json
 from toponav.evaluation.model_files import ModelFiles
+from toponav.evaluation.recollection import Recollection
 from toponav.evaluation.recorder import EpisodeRecorder
 from toponav.evaluation.results import EpisodeResult, to_json
 from toponav.evaluation.run_config import RunConfig
@@ -35,10 +36,25 @@ class EpisodeWish:
     Attributes:
         target: Category to find.
         start: (x, y, z, yaw), metres and radians.
+        known: What the agent knows of the building, before and after; None to begin and end cold.
     """
 
     target: str | None = None
     start: tuple[float, float, float, float] | None = None
+    known: Recollection | None = None
+
+
+@dataclass(frozen=True)
+class FinishedEpisode:
+    """What became of it.
+
+    Attributes:
+        result: Its record.
+        pose: Where it ended: (x, y, z, yaw), metres and radians.
+    """
+
+    result: EpisodeResult
+    pose: tuple[float, float, float, float]
 
 
 @dataclass
@@ -92,7 +108,7 @@ def run_one(
     folder: Path,
     output: Output,
     cache: Path | None = None,
-) -> EpisodeResult:
+) -> FinishedEpisode:
     """Run one episode and write everything about it into `folder`.
 
     Args:
@@ -106,6 +122,7 @@ def run_one(
 
     Raises:
         EpisodeError: The target or the start does not fit the scene.
+        InputError: The method keeps nothing of what it has learnt.
     """
     check_parts(config)
     runner = SceneRunner(scene, config)
@@ -118,7 +135,8 @@ def run_one(
     narrator = Narrator(output, folder, spec.episode.target)
     output.say(f"searching for a {readable(spec.episode.target)} in {scene.name}")
     access = ModelFiles(folder, cache).access(spec.scene, spec.index)
-    result = runner.run(spec, (recorder, narrator), (recorder, narrator), access)
+    watching = (recorder, narrator)
+    result = runner.run(spec, watching, watching, access, wish.known)
     write_atomic(folder / "result.json", to_json(result) + "\n")
     if narrator.map_view is not None:
         picture = TopDownPicture(
@@ -130,7 +148,8 @@ def run_one(
             subtitle=_figures(result),
         )
         save_topdown(picture, folder / "topdown.png")
-    return result
+    x, y, z = runner.env.position.tolist()
+    return FinishedEpisode(result, (x, y, z, runner.env.yaw))
 
 
 def result_line(result: EpisodeResult) -> str:

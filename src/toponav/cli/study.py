@@ -21,7 +21,7 @@ class Study:
 
     name: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="NAME")]
     """goal-detection (Table II), node-information (Table III), categories (Fig. 5), affordances,
-    panorama, merge-distance or methods."""
+    panorama, merge-distance, default-parts, revisit or methods."""
 
     source: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="SOURCE")]
     """As for `toponav eval`."""

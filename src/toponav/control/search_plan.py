@@ -42,10 +42,10 @@ class SearchPlanConfig(ConfigModel):
     base_likelihood: Annotated[float, Field(gt=0.0, le=1.0)] = 0.1
     """Likelihood near a frontier with nothing telling about it."""
 
-    unknown_reach_m: Positive = 2.5
+    unknown_reach_m: Positive = 4.0
     """How far beyond a frontier unknown floor counts."""
 
-    unknown_half_m2: Positive = 4.0
+    unknown_half_m2: Positive = 12.0
     """Unknown floor that makes 63 % of a fully open frontier."""
 
     guided_node: Annotated[float, Field(ge=1.0)] = 1.5

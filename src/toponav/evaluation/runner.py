@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from toponav.config import config_sha
 from toponav.envs.simulator import HouseEnv
+from toponav.evaluation.recollection import Recollection
 from toponav.evaluation.results import EpisodeResult
 from toponav.evaluation.rollout import (
     EpisodeSpec,
@@ -103,6 +105,7 @@ class SceneRunner:
         observers: Sequence[StepObserver] = (),
         listeners: Sequence[DecisionListener] = (),
         access: ModelAccess | None = None,
+        known: Recollection | None = None,
     ) -> EpisodeResult:
         """Run and score one episode.
 
@@ -111,12 +114,38 @@ class SceneRunner:
             observers: Watch every step.
             listeners: Watch every decision.
             access: What a reasoner that asks a model may use; by default it keeps nothing.
+            known: What the agent knows of the building, before and after.
 
         Raises:
             EpisodeError: The target or the start does not fit the scene.
+            InputError: The agent cannot recall anything.
         """
-        oracle, config = self.env.oracle, self.config
+        if self.config.revisit:
+            known = self._visited(spec)
         access = access or ModelAccess()
+        rollout = self._search(spec, observers, listeners, access, known)
+        return self.scored(spec, rollout)
+
+    def _visited(self, spec: EpisodeSpec) -> Recollection:
+        """What a search for another object from the same start teaches."""
+        known = Recollection()
+        others = [name for name in self.env.oracle.categories() if name != spec.episode.target]
+        if others:
+            first = others[spec.seed % len(others)]
+            visit = replace(spec, episode=replace(spec.episode, target=first))
+            self._search(visit, (), (), ModelAccess(), known)
+        return known
+
+    def _search(
+        self,
+        spec: EpisodeSpec,
+        observers: Sequence[StepObserver],
+        listeners: Sequence[DecisionListener],
+        access: ModelAccess,
+        known: Recollection | None,
+    ) -> Rollout:
+        """One episode, watched; the agent recalls what is known and adds to it."""
+        oracle, config = self.env.oracle, self.config
         sights = SightLog(oracle)
         detector = self._detector(DetectorContext(config.perception, oracle, spec.seed))
         reasoner = self._reasoner(ReasonerContext(config.reasoning, sights, spec.seed, access))
@@ -131,12 +160,16 @@ class SceneRunner:
             )
         )
         try:
+            if known is not None:
+                known.give_to(agent)
             rollout = roll_out(self.env, agent, spec, (watch, *observers))
+            if known is not None:
+                known.take_from(agent)
         finally:
             agent.close()
         watch.tell(rollout)
         rollout.vlm = access.log.usage()
-        return self.scored(spec, rollout)
+        return rollout
 
     def scored(self, spec: EpisodeSpec, rollout: Rollout) -> EpisodeResult:
         """The result record of an episode of this run."""

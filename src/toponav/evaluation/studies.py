@@ -114,6 +114,23 @@ STUDIES: dict[str, Study] = {
             _set("6-views-of-half-the-circle", panorama__views="6"),
         ),
     ),
+    "revisit": Study(
+        "A second goal in a building that the first has made known",
+        (FULL, Variant("revisit", {"revisit": "true"})),
+    ),
+    "default-parts": Study(
+        "The preset default without each of its parts",
+        (
+            FULL,
+            _set("without-evidence", goal__evidence="null"),
+            _set("without-glimpses", goal__glimpses="null"),
+            _set("without-stairwells", map__stairwells="false"),
+            _set("without-sight", decide_on_sight="false"),
+            _set("without-plan", search="null"),
+            _set("without-affinity", search__semantic_exponent="0"),
+            _set("without-node", search__guided_node="1"),
+        ),
+    ),
     "merge-distance": Study(
         "Distance within which nodes are merged (Section III-D)",
         (

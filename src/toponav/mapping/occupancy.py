@@ -124,6 +124,18 @@ class FloorGrid:
             self._seen_through[i, j] = np.where(count < DROP_FRAMES, count + 1, count)
             self._classify(box)
 
+    def seen_through(self) -> tuple[NDArray[np.int64], NDArray[np.uint8]]:
+        """(N, 2) world indices of the columns that were seen through or held, and their counts."""
+        local = np.argwhere(self._seen_through)
+        return local + self._first_column, self._seen_through[local[:, 0], local[:, 1]]
+
+    def restore_seen_through(self, columns: NDArray[np.int64], counts: NDArray[np.uint8]) -> None:
+        """Take over what `seen_through` of another grid told."""
+        if len(columns):
+            box, local = self._enclose(columns)
+            self._seen_through[local[:, 0], local[:, 1]] = counts
+            self._classify(box)
+
     def hold(self, columns: NDArray[np.int64]) -> None:
         """Note that the agent stands on (N, 2) columns."""
         box, local = self._enclose(columns)

@@ -14,8 +14,10 @@ Where the paper is silent, or where it is departed from:
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -119,6 +121,20 @@ class MapConfig(ConfigModel):
         return round(self.r_g / self.r_pcd)
 
 
+class MapParts(NamedTuple):
+    """What a map consists of.
+
+    Attributes:
+        scene: M_scene.
+        objects: M_obj by category.
+        floors: In the order of discovery.
+    """
+
+    scene: VoxelCloud
+    objects: Mapping[str, VoxelCloud]
+    floors: tuple[Floor, ...]
+
+
 class SemanticMap:
     """M_scene, M_obj, M_nav, M_obs and M_fro of Section III-C, grown frame by frame.
 
@@ -181,6 +197,32 @@ class SemanticMap:
             self._hold_ground(floor, foot)
             self._look_below(floor, foot, frame)
         return FrameUpdate(points, labels)
+
+    def leave(self) -> None:
+        """The agent is somewhere else now: the next frame says on which floor."""
+        self._floor, self._view = None, None
+
+    def parts(self) -> MapParts:
+        """What the map consists of, live."""
+        return MapParts(self._scene, MappingProxyType(self._objects), self._layers.floors)
+
+    def restore_scene(self, scene: VoxelCloud) -> None:
+        """Start anew with another map's M_scene; its objects and then its floors follow."""
+        self.reset()
+        self._scene = scene
+        self._layers = FloorLayers(scene, self.config.delta, self.config.obstacle_top_m)
+
+    def restore_object(self, label: str, cloud: VoxelCloud) -> None:
+        """Take over M_obj of a category, whose voxels are in the scene."""
+        self._objects[label] = cloud
+        if label in self.config.navigable_categories:
+            self._layers.mark_stairs(cloud.arrays.keys[: len(cloud)])
+
+    def restore_floor(self, z: float) -> Floor:
+        """Add the next floor of another map."""
+        floor = self._new_floor(len(self._layers.floors), z)
+        self._layers.add_floor(floor)
+        return floor
 
     def view(self) -> MapView:
         """The map on the agent's current floor.

@@ -89,6 +89,37 @@ class VoxelCloud:
         self.resolution = resolution
         self._arrays = _allocate(INITIAL_CAPACITY)
 
+    @classmethod
+    def from_sums(
+        cls,
+        resolution: float,
+        keys: NDArray[np.int64],
+        offset_sums: NDArray[np.float64],
+        color_sums: NDArray[np.uint32],
+        counts: NDArray[np.int32],
+    ) -> VoxelCloud:
+        """A cloud from the arrays of another, as `VoxelArrays` describes them.
+
+        Raises:
+            ValueError: The arrays do not belong together.
+        """
+        shapes = (keys.shape, offset_sums.shape, color_sums.shape, counts.shape)
+        size = len(keys)
+        if shapes != ((size,), (size, 3), (size, 3), (size,)) or (counts < 1).any():
+            raise ValueError("the arrays of a cloud do not belong together")
+        if len(np.unique(keys)) != size:
+            raise ValueError("a cloud holds a voxel twice")
+        cloud = cls(resolution)
+        cloud.reserve(size)
+        arrays = cloud._arrays
+        arrays.keys[:size], arrays.counts[:size] = keys, counts
+        arrays.offset_sums[:size], arrays.color_sums[:size] = offset_sums, color_sums
+        arrays.sizes[:] = size
+        arrays.touched[:size], arrays.is_touched[:size] = np.arange(size), True
+        _rehash(arrays)
+        cloud.refresh()
+        return cloud
+
     def __len__(self) -> int:
         return int(self._arrays.sizes[VOXELS])
 

@@ -54,12 +54,8 @@ class _MemoryRecord(_Record):
     next_id: int = Field(ge=1)
 
 
-def save_memory(memory: TopologicalMemory, path: Path | str) -> None:
-    """Write a memory as JSON, whole or not at all.
-
-    Raises:
-        InputError: The folder cannot be written.
-    """
+def memory_json(memory: TopologicalMemory) -> str:
+    """A memory as JSON."""
     record = _MemoryRecord(
         format=FORMAT,
         nodes=tuple(_NodeRecord(**vars(node)) for node in memory.nodes),
@@ -67,10 +63,18 @@ def save_memory(memory: TopologicalMemory, path: Path | str) -> None:
         history=memory.history,
         next_id=memory.next_id,
     )
-    text = record.model_dump_json(indent=1) + "\n"
+    return record.model_dump_json(indent=1) + "\n"
+
+
+def save_memory(memory: TopologicalMemory, path: Path | str) -> None:
+    """Write a memory as JSON, whole or not at all.
+
+    Raises:
+        InputError: The folder cannot be written.
+    """
     target = Path(path)
     try:
-        write_atomic(target, text)
+        write_atomic(target, memory_json(memory))
     except OSError as error:
         raise InputError(f"cannot write memory {target}: {error.strerror}") from error
 
@@ -83,9 +87,22 @@ def load_memory(path: Path | str) -> TopologicalMemory:
     """
     source = Path(path)
     try:
-        data = json.loads(source.read_text(encoding="utf-8"), parse_constant=_reject_constant)
+        text = source.read_text(encoding="utf-8")
     except OSError as error:
         raise InputError(f"cannot read memory {source}: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise InputError(f"memory {source} is not JSON: {_one_line(error)}") from error
+    return memory_from_json(text, source)
+
+
+def memory_from_json(text: str, source: Path) -> TopologicalMemory:
+    """A memory from what `memory_json` wrote; `source` names it in errors.
+
+    Raises:
+        InputError: Not JSON, another format or version, or broken content.
+    """
+    try:
+        data = json.loads(text, parse_constant=_reject_constant)
     except (ValueError, RecursionError) as error:
         raise InputError(f"memory {source} is not JSON: {_one_line(error)}") from error
     found = data.get("format") if isinstance(data, dict) else None

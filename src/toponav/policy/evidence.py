@@ -187,6 +187,14 @@ class TargetEvidence:
         worth = [(odds, c) for odds, c in rated if odds >= config.lead]
         return [c for _, c in sorted(worth, key=lambda pair: -pair[0])]
 
+    def expect(self, points: NDArray[np.floating]) -> None:
+        """Take each connected piece of (N, 3) points for a candidate, to be looked at again."""
+        if len(points):
+            everything = np.asarray(points, np.float64)
+            piece = _pieces(everything, self._config.gap_m)
+            for number in range(piece.max() + 1):
+                self._candidates.append(_fresh(everything[piece == number]))
+
     def accept(self, candidate: Candidate) -> None:
         """Take it for the target from now on."""
         missing = self._config.accept - candidate.log_odds(self._config)
@@ -246,9 +254,7 @@ class TargetEvidence:
             return np.zeros((0, 3))
         in_camera = back_project(observation.depth, observation.intrinsics)[kept]
         points = _thinned(observation.world_from_camera.apply(in_camera), self._config.voxel_m)
-        pairs = cKDTree(points).query_pairs(self._config.gap_m, output_type="ndarray")
-        links = coo_array((np.ones(len(pairs)), pairs.T), shape=(len(points), len(points)))
-        _, piece = connected_components(links, directed=False)
+        piece = _pieces(points, self._config.gap_m)
         largest: NDArray[np.float64] = points[piece == np.bincount(piece).argmax()]
         return largest
 
@@ -298,6 +304,14 @@ class TargetEvidence:
         row, column = np.where(inside, row, 0), np.where(inside, column, 0)
         visible = inside & (np.abs(depth[row, column] - z) <= self._config.depth_tolerance_m)
         return visible, row, column
+
+
+def _pieces(points: NDArray[np.float64], gap_m: float) -> NDArray[np.int64]:
+    """(N,) the connected piece of each of (N, 3) points, from 0 on."""
+    pairs = cKDTree(points).query_pairs(gap_m, output_type="ndarray")
+    links = coo_array((np.ones(len(pairs)), pairs.T), shape=(len(points), len(points)))
+    _, piece = connected_components(links, directed=False)
+    return np.asarray(piece, np.int64)
 
 
 def _fresh(points: NDArray[np.float64]) -> Candidate:

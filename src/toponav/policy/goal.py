@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Annotated, Literal
 
 import numpy as np
@@ -12,7 +13,7 @@ from scipy.spatial import cKDTree
 
 from toponav.config_model import ConfigModel
 from toponav.geometry import Pose
-from toponav.mapping.view import MapView
+from toponav.mapping.view import MapView, PointCloud
 from toponav.policy.evidence import Candidate, EvidenceConfig, TargetEvidence
 from toponav.policy.glimpses import Glimpse, GlimpseConfig, Glimpses
 from toponav.policy.sight import Metres, SightConfig, TargetSight
@@ -93,6 +94,12 @@ class GoalTracker:
             if self._evidence is None:
                 self._evidence = TargetEvidence(self.config.evidence, target)
             self._evidence.observe(observation, detections)
+
+    def recall(self, objects: Mapping[str, PointCloud], target: str) -> None:
+        """Begin with the instances of the target that an earlier search has mapped."""
+        if self.config.evidence is not None and target in objects:
+            self._evidence = TargetEvidence(self.config.evidence, target)
+            self._evidence.expect(objects[target].points)
 
     @property
     def glimpsed(self) -> bool:
