@@ -237,11 +237,15 @@ class Navigator:
         """Where to go by the plan over frontiers, or to see the target; None to go by A."""
         if self._search is None:
             return None
+        foot_z = float(observation.world_from_base.translation[2])
+        off_stairs = self._search.step_off(foot_z, view, reach)
+        if off_stairs is not None:
+            return off_stairs
         admissible = self._barren.admissible(view.frontiers, self._decisions)
         if self._phase is Phase.EXPLORATION:
             guided = self._memory.frontier_points_of(guidance.node_id, view)[:, :2]
-            hints = Hints(guided, self._goal.pursue_glimpses(view))
-            foot_z = float(observation.world_from_base.translation[2])
+            glimpses = self._goal.pursue_glimpses(view)
+            hints = Hints(guided, glimpses, self._goal.is_elsewhere(view))
             return self._search.set_out(hints, foot_z, view, reach, admissible)
         self._search.leave()
         vantage = self._vantage(observation, view, reach)

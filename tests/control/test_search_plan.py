@@ -67,9 +67,10 @@ def test_the_place_that_the_reasoner_names_counts_more() -> None:
 
 
 def with_stairs(below_x: float) -> MapView:
-    """The hall with treads 0.5 m high up to some x."""
+    """The hall with treads that rise to the left, from some x on."""
     heights = np.full(HALL.grid.cells.shape, np.nan, np.float32)
-    heights[: int(below_x / HALL.grid.resolution)] = 0.5
+    count = int(below_x / HALL.grid.resolution)
+    heights[:count] = 0.18 + 0.06 * np.arange(count)[::-1, None]
     return replace(HALL, grid=replace(HALL.grid, stairs=heights))
 
 
@@ -83,11 +84,17 @@ def test_a_glimpse_of_the_target_outweighs_the_way() -> None:
     assert chosen_x(HALL, 1.5, Belief({}, NOTHING.guided, (glimpse,))) > 6.0
 
 
+def test_a_target_seen_on_another_storey_draws_to_the_stairs() -> None:
+    view, here = with_stairs(0.8), (5.0, 1.5)
+    assert chosen_x(view, here[0]) > 6.0
+    assert chosen_x(view, 3.0, Belief({}, NOTHING.guided, elsewhere=True)) < 1.0
+
+
 def test_from_a_flight_the_landing_is_the_nearest_place_off_it() -> None:
     view = with_stairs(3.0)
     spot = landing(view, reach_from(view, (2.9, 1.5)))
     assert spot is not None
-    assert 3.0 <= spot[0] < 3.2
+    assert 3.0 <= spot[0] < 3.6
 
 
 def test_a_target_beyond_is_approached_by_the_frontier_beside_it() -> None:

@@ -36,10 +36,12 @@ class Hints:
     Attributes:
         guided: (M, 2) frontier cells about the place that the reasoner names.
         glimpses: Where the target was seen, too far off to be mapped.
+        elsewhere: Whether the target was seen on another storey.
     """
 
     guided: NDArray[np.float64]
     glimpses: tuple[Glimpse, ...] = ()
+    elsewhere: bool = False
 
 
 class PlannedSearch:
@@ -80,6 +82,26 @@ class PlannedSearch:
         """Whether the camera is tilted, so that nothing else may be done now."""
         return self._drops.looking_down
 
+    def step_off(
+        self, foot_z: float, view: MapView, reach: CostField
+    ) -> NDArray[np.float64] | None:
+        """The (3,) landing that one walks to first from a flight, once its floor is known; or None.
+
+        Args:
+            foot_z: Height of the agent's foot point, metres.
+            view: The map.
+            reach: Cost of walking from the agent to every cell.
+        """
+        self.leave()
+        if view.floor == self._left_floor or self._left_floor is None:
+            return None
+        if not self._on_flight(foot_z, view):
+            self._left_floor = None
+            return None
+        self._landing = True
+        self._waypoint = landing(view, reach)
+        return self._waypoint
+
     def set_out(
         self,
         hints: Hints,
@@ -98,21 +120,15 @@ class PlannedSearch:
             admissible: (F,) which of `view.frontiers` were not just tried in vain.
         """
         self.leave()
-        on_flight = abs(foot_z - view.floor_z) > ON_FLIGHT_M
-        if not on_flight and view.floor != self._left_floor:
-            self._left_floor = None
         frontiers, stairs = self._choices(view, reach, admissible)
-        if on_flight and self._left_floor is not None:  # nobody turns round half-way
-            if view.floor != self._left_floor:
-                self._landing = True
-                self._waypoint = landing(view, reach)
-                return self._waypoint
+        if self._on_flight(foot_z, view) and self._left_floor == view.floor:
+            # nobody turns round half-way
             own = tuple(end for end in stairs if end.path_cost <= SAME_FLIGHT_M)
             frontiers, stairs = ((), own) if own else (frontiers, stairs)
         if not frontiers and not stairs:
             return None
         seen = {name: a for name, a in self._affinities().items() if name in view.objects}
-        belief = Belief(seen, hints.guided, hints.glimpses)
+        belief = Belief(seen, hints.guided, hints.glimpses, hints.elsewhere)
         choices = (frontiers, stairs)
         chosen = next_frontier(choices, belief, view, reach, self._planner, self._config)
         self._waypoint = chosen.nearest
@@ -151,8 +167,8 @@ class PlannedSearch:
         action = self._drops.look(observation, view, walker)
         if action is not None:
             return action
-        foot_z = observation.world_from_base.translation[2]
-        at_flight = self._landing or abs(foot_z - view.floor_z) > ON_FLIGHT_M
+        foot_z = float(observation.world_from_base.translation[2])
+        at_flight = self._landing or self._on_flight(foot_z, view)
         if at_flight and self._turns < self._full_turn:
             self._turns += 1  # the next floor may go on to any side
             return Action.TURN_LEFT
@@ -172,6 +188,10 @@ class PlannedSearch:
             values = self._reasoner.object_affinity(self._target, self._names).tolist()
             self._affinity = dict(zip(self._names, values, strict=True))
         return self._affinity
+
+    @staticmethod
+    def _on_flight(foot_z: float, view: MapView) -> bool:
+        return abs(foot_z - view.floor_z) > ON_FLIGHT_M
 
     def _choices(
         self, view: MapView, reach: CostField, admissible: NDArray[np.bool_]

@@ -23,6 +23,9 @@ Positive = Annotated[float, Field(gt=0.0)]
 TREAD_M = 0.15
 """A stair this far above or below the floor leads to another."""
 
+LANDING_M = 0.5
+"""The next floor is no nearer than two treads."""
+
 UNREACHABLE_M = 1e4
 """Stands for a way that the map does not know yet."""
 
@@ -76,11 +79,13 @@ class Belief:
         affinity: By category, how likely the target is beside such an object, in [0, 1].
         guided: (M, 2) frontier cells about the place that the reasoner names.
         glimpses: Where it was seen, too far off to be mapped.
+        elsewhere: Whether it was seen on another storey.
     """
 
     affinity: Mapping[str, float]
     guided: NDArray[np.float64]
     glimpses: tuple[Glimpse, ...] = ()
+    elsewhere: bool = False
 
 
 def next_frontier(
@@ -106,7 +111,8 @@ def next_frontier(
     chance = np.array([_promise(frontier, belief, view, config) for frontier in frontiers])
     for glimpse in belief.glimpses if frontiers else ():
         chance[_leading_to(glimpse.place[None], frontiers)] += config.glimpse * glimpse.score
-    chance = np.append(chance, np.full(len(stairs), config.other_floor))
+    upstairs = config.glimpse if belief.elsewhere else config.other_floor
+    chance = np.append(chance, np.full(len(stairs), upstairs))
     cost = np.array([cluster.path_cost for cluster in clusters])
     kept = np.argsort(-chance / (cost + 1.0), kind="stable")[: config.places]
     stands = np.stack([clusters[k].nearest for k in kept])
@@ -120,9 +126,10 @@ def next_frontier(
 def landing(view: MapView, reach: CostField) -> NDArray[np.float64] | None:
     """The (3,) nearest place off the stairs, or the tread nearest to the floor's height.
 
-    None where the agent can walk nowhere.
+    It is at least `LANDING_M` away: the agent stands on a tread, whatever the map knows of it. None
+    where it can walk nowhere.
     """
-    cells = np.argwhere(np.isfinite(reach.cost))
+    cells = np.argwhere(np.isfinite(reach.cost) & (reach.cost >= LANDING_M))
     if not len(cells):
         return None
     i, j = cells.T

@@ -101,6 +101,13 @@ class GoalTracker:
             self._evidence = TargetEvidence(self.config.evidence, target)
             self._evidence.expect(objects[target].points)
 
+    def is_elsewhere(self, view: MapView) -> bool:
+        """Whether what may be the target has been seen, on another storey."""
+        if self.config.evidence is None or self._evidence is None:
+            return False
+        leads, config = self._evidence.leads(), self.config.evidence
+        return bool(leads) and not any(len(self._on_storey(c, config, view)) for c in leads)
+
     @property
     def glimpsed(self) -> bool:
         """Whether the last frame showed the target at a new place, too far off to be measured."""
