@@ -18,6 +18,7 @@ from toponav.mapping.view import MapView, PointCloud
 from toponav.memory.builder import MemoryBuilder
 from toponav.memory.graph import TopologicalMemory
 from toponav.perception.base import Detector
+from toponav.perception.object_masks import object_masks
 from toponav.types import Detections
 
 NODE_SPACING_M = 2.0
@@ -70,7 +71,8 @@ def map_recording(
         if detector is None:
             detections = Detections.empty(*observation.depth.shape)
         else:
-            detections = detector.detect(observation.rgb, config.vocabulary)
+            seen = detector.detect(observation.rgb, config.vocabulary)
+            detections = object_masks(observation, seen)
         semantic_map.integrate(observation, detections)
         foot = observation.world_from_base.translation
         if trajectory:
