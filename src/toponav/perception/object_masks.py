@@ -124,8 +124,8 @@ def _main_surface(depth: NDArray[np.float32], solid: NDArray[np.bool_]) -> NDArr
         broken = both & (step > limit)
         nearer_first = np.less(*_pair(depth, axis))
         first, second = _pair(smooth, axis)
-        second &= ~(broken & nearer_first)  # of two surfaces the farther one ends at the edge
-        first &= ~(broken & ~nearer_first)
+        second[broken & nearer_first] = False  # of two surfaces the farther one ends at the edge
+        first[broken & ~nearer_first] = False
     pieces, count = label(smooth)
     if not count:
         return smooth
