@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 # Extras beside dev; tests of the others skip.
-EXTRAS ?= dev,ray
+EXTRAS ?= dev,ray,onnx
 
 .DEFAULT_GOAL := help
 .PHONY: help demo test check docs bench clean

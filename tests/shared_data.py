@@ -13,3 +13,11 @@ def shared_data(relative: str) -> Path:
     if not path.exists():
         pytest.skip(f"no shared data at {path}")
     return path
+
+
+def shared_model(name: str) -> Path:
+    """The path of one of the small detectors beside the shared data; skips without it."""
+    path = SHARED_DATA.parent / "models" / name
+    if not path.exists():
+        pytest.skip(f"no model at {path}")
+    return path

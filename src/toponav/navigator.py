@@ -24,6 +24,7 @@ from toponav.mapping.semantic_map import SemanticMap
 from toponav.mapping.view import FrameUpdate, MapView
 from toponav.memory.builder import MemoryBuilder
 from toponav.perception.base import Detector
+from toponav.perception.object_masks import object_masks
 from toponav.policy.affordances import Affordances, Phase, acquisition, exploration
 from toponav.policy.decision import Decision, DecisionListener, Listeners
 from toponav.policy.goal import GoalTracker
@@ -126,7 +127,8 @@ class Navigator:
 
     def act(self, observation: Observation) -> Action:
         """The next action: one more view of the panorama, a step of the path, or stop."""
-        detections = self._detector.detect(observation.rgb, self._vocabulary)
+        seen = self._detector.detect(observation.rgb, self._vocabulary)
+        detections = object_masks(observation, seen)
         update = self._map.integrate(observation, detections)  # Section III-C
         self._goal.observe(observation, detections, self._target)
         self._odometry.add(observation)

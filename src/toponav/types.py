@@ -76,12 +76,15 @@ class Detections:
         scores: (N,) float32 in [0, 1].
         boxes: (N, 4) float32, x_min, y_min, x_max, y_max in pixels, max exclusive.
         masks: (N, H, W) bool.
+        masks_are_boxes: Whether the masks are only the boxes, filled, so that the depth image has
+            yet to tell the objects in them (`toponav.perception.object_masks`).
     """
 
     labels: tuple[str, ...]
     scores: NDArray[np.float32]
     boxes: NDArray[np.float32]
     masks: NDArray[np.bool_]
+    masks_are_boxes: bool = False
 
     def __post_init__(self) -> None:
         n = len(self.labels)
@@ -102,6 +105,7 @@ class Detections:
             self.scores[rows],
             self.boxes[rows],
             self.masks[rows],
+            self.masks_are_boxes,
         )
 
     @classmethod

@@ -23,6 +23,7 @@ from toponav.control.vantage import vantage_point
 from toponav.mapping.semantic_map import SemanticMap
 from toponav.mapping.view import MapView
 from toponav.perception.base import Detector
+from toponav.perception.object_masks import object_masks
 from toponav.policy.affordances import Phase
 from toponav.policy.decision import Decision, DecisionListener
 from toponav.policy.goal import GoalConfig, GoalTracker
@@ -62,7 +63,7 @@ class MappedSearch(ABC):
     def act(self, observation: Observation) -> Action:
         """The next action."""
         seen = self._detector.detect(observation.rgb, self._vocabulary)
-        detections = self._accepted(seen)
+        detections = self._accepted(object_masks(observation, seen))
         self._map.integrate(observation, detections)
         self._locomotion.observe(observation)
         self._view = view = self._map.view()

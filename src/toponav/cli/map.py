@@ -25,6 +25,9 @@ class Map:
     """Which way the world of the poses points; by default what recording.json says, else told
     from the images."""
 
+    detector: str | None = None
+    """Finds objects in the images: onnx:MODEL.onnx. Without one the map holds no objects."""
+
     out: Path = Path("runs/map")
     """Folder for the results."""
 
@@ -38,18 +41,22 @@ class Map:
         from toponav.envs.recording import open_recording
         from toponav.evaluation.mapping_run import map_recording, write_clouds
         from toponav.memory.serialization import save_memory
+        from toponav.perception import DetectorContext, PerceptionConfig, make_detector
         from toponav.viz.topdown import TopDownPicture, save_topdown
         from toponav.viz.topdown_colors import save_topdown_colors
 
         output = Output(self.json)
         recording = open_recording(self.recording, self.world)
+        detector = None
+        if self.detector is not None:
+            detector = make_detector(self.detector, DetectorContext(PerceptionConfig()))
         folder = fresh_folder(self.out)
 
         def report(done: int, total: int) -> None:
             if done % 20 == 0 or done == total:
                 output.say(f"{done} of {total} frames")
 
-        run = map_recording(recording, progress=report)
+        run = map_recording(recording, detector, progress=report)
         write_clouds(run.view, folder)
         save_memory(run.memory, folder / "memory.json")
         title = f"{self.recording.resolve().name}: {len(run.trajectory)} frames"

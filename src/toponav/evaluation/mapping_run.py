@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from toponav.config import NavigatorConfig
 from toponav.envs.recording import Recording
@@ -18,11 +19,16 @@ from toponav.mapping.view import MapView, PointCloud
 from toponav.memory.builder import MemoryBuilder
 from toponav.memory.graph import TopologicalMemory
 from toponav.perception.base import Detector
+from toponav.perception.object_masks import object_masks
+from toponav.policy.evidence import EvidenceConfig, TargetEvidence
 from toponav.types import Detections
 
 NODE_SPACING_M = 2.0
 """Path length between two nodes of the memory. A recording has no waypoints, at which the paper
 makes its nodes; this is about the length of its agent's legs."""
+
+EVIDENCE = EvidenceConfig()
+"""How sightings of an object are weighed, as the navigator weighs those of its target."""
 
 Progress = Callable[[int, int], None]
 """Called with the frames done and the frames in all."""
@@ -33,7 +39,8 @@ class MappingRun:
     """What a recording gave.
 
     Attributes:
-        view: The map after the last frame, on the floor of that frame.
+        view: The map after the last frame, on the floor of that frame. Of M_obj it holds what the
+            views together speak for.
         memory: Nodes along the path.
         trajectory: (T, 3) foot points, metres.
         map_bytes: Memory that the map held, bytes.
@@ -64,14 +71,20 @@ def map_recording(
     """
     config = config or NavigatorConfig()
     semantic_map, memory = SemanticMap(config.map), MemoryBuilder(config.memory)
+    evidence: dict[str, TargetEvidence] = {}
     trajectory: list[NDArray[np.float64]] = []
     since_node = np.inf
     for index, observation in enumerate(recording):
         if detector is None:
             detections = Detections.empty(*observation.depth.shape)
         else:
-            detections = detector.detect(observation.rgb, config.vocabulary)
+            seen = detector.detect(observation.rgb, config.vocabulary)
+            detections = object_masks(observation, seen)
         semantic_map.integrate(observation, detections)
+        for name in dict.fromkeys((*evidence, *detections.labels)):
+            evidence.setdefault(name, TargetEvidence(EVIDENCE, name)).observe(
+                observation, detections
+            )
         foot = observation.world_from_base.translation
         if trajectory:
             since_node += float(np.linalg.norm(foot - trajectory[-1]))
@@ -83,9 +96,26 @@ def map_recording(
             since_node = 0.0
         if progress is not None:
             progress(index + 1, len(recording))
-    view = semantic_map.view()
+    view = _with_evidence(semantic_map.view(), evidence)
     memory.refresh(view)
     return MappingRun(view, memory.memory, np.array(trajectory), semantic_map.nbytes)
+
+
+def _with_evidence(view: MapView, evidence: Mapping[str, TargetEvidence]) -> MapView:
+    """The map with those objects that more speaks for than against, over all views of them."""
+    objects = {}
+    for name, cloud in view.objects.items():
+        sure = [
+            candidate.own_points(EVIDENCE)
+            for candidate in evidence[name].candidates
+            if candidate.log_odds(EVIDENCE) >= EVIDENCE.accept
+        ]
+        if not sure:
+            continue
+        away, _ = cKDTree(np.concatenate(sure)).query(cloud.points)
+        kept = away <= EVIDENCE.gap_m
+        objects[name] = PointCloud(cloud.points[kept], cloud.colors[kept], cloud.counts[kept])
+    return replace(view, objects=objects)
 
 
 def write_clouds(view: MapView, folder: Path) -> dict[str, Path]:

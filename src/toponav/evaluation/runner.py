@@ -23,7 +23,7 @@ from toponav.evaluation.rollout import (
 from toponav.evaluation.run_config import RunConfig
 from toponav.evaluation.search_watch import SearchWatch
 from toponav.methods import AgentContext, methods
-from toponav.perception import DetectorContext, detectors
+from toponav.perception import DetectorContext, check_detector, make_detector
 from toponav.perception.sightings import SightLog, WitnessedDetector
 from toponav.policy.decision import DecisionListener, Listeners
 from toponav.reasoning import ReasonerContext, reasoners
@@ -44,7 +44,7 @@ def check_parts(config: RunConfig, *, replayed: bool = False) -> None:
         InputError: One does not, the message lists those that do; or a model's key is missing.
     """
     methods.get(config.method)
-    detectors.get(config.detector)
+    check_detector(config.detector)
     reasoners.get(config.reasoner)
     if config.reasoner == OPENAI and not replayed:
         key_of(config.reasoning.openai)
@@ -60,7 +60,7 @@ class SceneRunner:
             InputError: Unknown method, detector or reasoner.
         """
         self._method = methods.get(config.method)
-        self._detector = detectors.get(config.detector)
+        check_detector(config.detector)
         self._reasoner = reasoners.get(config.reasoner)
         self.scene = scene
         self.config = config
@@ -147,7 +147,9 @@ class SceneRunner:
         """One episode, watched; the agent recalls what is known and adds to it."""
         oracle, config = self.env.oracle, self.config
         sights = SightLog(oracle)
-        detector = self._detector(DetectorContext(config.perception, oracle, spec.seed))
+        detector = make_detector(
+            config.detector, DetectorContext(config.perception, oracle, spec.seed)
+        )
         reasoner = self._reasoner(ReasonerContext(config.reasoning, sights, spec.seed, access))
         watch = SearchWatch(WitnessedDetector(detector, sights), oracle)
         agent = self._method(

@@ -1,8 +1,15 @@
 """Detectors behind one contract; importing this registers them all."""
 
-from toponav.perception.base import Detector, DetectorContext, detectors
+from toponav.perception.base import (
+    Detector,
+    DetectorContext,
+    check_detector,
+    detectors,
+    make_detector,
+)
 from toponav.perception.config import PerceptionConfig
 from toponav.perception.noisy import NoisyDetector, NoisyDetectorConfig
+from toponav.perception.onnx.detector import OnnxDetector
 from toponav.perception.oracle import OracleDetector
 
 __all__ = [
@@ -10,7 +17,10 @@ __all__ = [
     "DetectorContext",
     "NoisyDetector",
     "NoisyDetectorConfig",
+    "OnnxDetector",
     "OracleDetector",
     "PerceptionConfig",
+    "check_detector",
     "detectors",
+    "make_detector",
 ]

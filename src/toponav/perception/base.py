@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -38,13 +38,34 @@ class DetectorContext:
         source: Handle on the ground truth, for detectors that stand for a real one; None where
             there is none.
         seed: Of the episode.
+        argument: What follows the detector's name and a colon, such as a model's path.
     """
 
     config: PerceptionConfig
     source: SemanticSource | None = None
     seed: int = 0
+    argument: str = ""
 
 
 DetectorFactory = Callable[[DetectorContext], Detector]
 
 detectors: Registry[DetectorFactory] = Registry("detector")
+
+
+def make_detector(spec: str, context: DetectorContext) -> Detector:
+    """The detector of a name, or of a name and its argument, such as `onnx:model.onnx`.
+
+    Raises:
+        InputError: No such detector, or it cannot be made of this.
+    """
+    name, _, argument = spec.partition(":")
+    return detectors.get(name)(replace(context, argument=argument))
+
+
+def check_detector(spec: str) -> None:
+    """Make sure that a detector of this name exists.
+
+    Raises:
+        InputError: It does not; the message lists those known.
+    """
+    detectors.get(spec.partition(":")[0])

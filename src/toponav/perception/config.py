@@ -6,6 +6,7 @@ from pydantic import Field
 
 from toponav.config_model import ConfigModel
 from toponav.perception.noisy import NoisyDetectorConfig
+from toponav.perception.onnx.detector import OnnxConfig
 from toponav.perception.oracle import OracleConfig
 
 
@@ -17,3 +18,6 @@ class PerceptionConfig(ConfigModel):
 
     noisy: NoisyDetectorConfig = Field(default_factory=NoisyDetectorConfig)
     """True labels with a real detector's errors."""
+
+    onnx: OnnxConfig = Field(default_factory=OnnxConfig)
+    """A model in an ONNX file."""

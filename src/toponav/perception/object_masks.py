@@ -1,0 +1,145 @@
+"""From boxes to objects: what in a box is the thing, told by the depth image.
+
+A box also holds the floor before the thing, the wall behind it and whatever stands in front. The
+thing is taken to be the connected surface, without jumps in depth, that fills most of the middle of
+the box; the floor under it and what lies deeper than a thing of its kind can be are left out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_erosion, label
+
+from toponav.types import Detections, Observation
+
+Scalar = TypeVar("Scalar", bound=np.generic)
+
+FLOOR_M = 0.06
+"""Points lower than this above the floor are floor, unless the thing is as flat as a rug."""
+
+FLAT = frozenset({"rug"})
+"""Categories that lie on the floor."""
+
+JUMP_M = 0.05
+JUMP_PER_M = 0.03
+"""Neighbouring pixels farther apart in depth than this, and this more a metre of depth, belong to
+different surfaces: a floor seen at a flat angle from 0.9 m high still counts as one."""
+
+MIDDLE = 0.25
+"""The middle of a box begins at this share of its sides."""
+
+LARGEST_M = {
+    "bed": 2.4, "sofa": 2.6, "table": 2.6, "bathtub": 2.0, "counter": 3.0, "bench": 2.0,
+    "piano": 1.8, "desk": 2.0, "wardrobe": 2.2, "cabinet": 2.0, "bookshelf": 2.0,
+    "chair": 1.1, "toilet": 1.0, "plant": 1.3, "tv_monitor": 1.5, "sink": 1.0, "fridge": 1.2,
+    "oven": 1.0, "microwave": 0.8, "laptop": 0.6, "book": 0.5, "picture": 1.5,
+}  # fmt: skip
+"""Largest extent along the line of sight that one meets in homes, metres."""
+
+LARGEST_OTHER_M = 2.0
+
+FRONT = 5.0
+"""Percentile of a surface's depths that counts as its front."""
+
+MIN_PIXELS_PER_MEGAPIXEL = 80.0
+"""A smaller rest is no support for an object: 25 pixels of a 640 x 480 image."""
+
+EROSION_PER_COLUMN = 1 / 320
+"""Pixels by which masks are eroded, where depths of two surfaces mix, a column of the image."""
+
+
+def object_masks(observation: Observation, detections: Detections) -> Detections:
+    """Detections with masks of their objects; those that have such masks are left as they are.
+
+    Args:
+        observation: The frame that the detections are of.
+        detections: With masks that are filled boxes, or not.
+
+    Returns:
+        The same detections in the same order. Where the depth camera measures nothing in a box, the
+        box remains: it may still tell a direction.
+    """
+    if not detections.masks_are_boxes or not len(detections):
+        return detections
+    above_floor = _above_floor(observation)
+    masks = [
+        _object_mask(observation.depth, above_floor, box, name)
+        for box, name in zip(detections.masks, detections.labels, strict=True)
+    ]
+    return replace(detections, masks=np.stack(masks), masks_are_boxes=False)
+
+
+def _above_floor(observation: Observation) -> NDArray[np.float64]:
+    """(H, W) height of every pixel's point above the agent's floor, metres."""
+    camera, pose = observation.intrinsics, observation.world_from_camera
+    columns = (np.arange(camera.width) - camera.cx) / camera.fx
+    rows = (np.arange(camera.height) - camera.cy) / camera.fy
+    upward = pose.rotation[2]
+    slope = upward[0] * columns[None, :] + upward[1] * rows[:, None] + upward[2]
+    eye = pose.translation[2] - observation.world_from_base.translation[2]
+    height: NDArray[np.float64] = eye + observation.depth * slope
+    return height
+
+
+def _object_mask(
+    depth: NDArray[np.float32],
+    above_floor: NDArray[np.float64],
+    box: NDArray[np.bool_],
+    name: str,
+) -> NDArray[np.bool_]:
+    """(H, W) the object in one filled box."""
+    rows, columns = np.flatnonzero(box.any(axis=1)), np.flatnonzero(box.any(axis=0))
+    mask = np.zeros_like(box)
+    if not len(rows):
+        return mask
+    window = (slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1))
+    near, height = depth[window], above_floor[window]
+    solid = (near > 0.0) & ((height > FLOOR_M) | (name in FLAT))
+    if not (near > 0.0).any():
+        return box
+    surface = _main_surface(near, solid)
+    if surface.any():
+        front = float(np.percentile(near[surface], FRONT))
+        surface &= near <= front + LARGEST_M.get(name, LARGEST_OTHER_M)
+    width = max(1, round(depth.shape[1] * EROSION_PER_COLUMN))
+    inner = binary_erosion(surface, iterations=width)
+    surface = inner if inner.any() else surface
+    if np.count_nonzero(surface) >= MIN_PIXELS_PER_MEGAPIXEL * 1e-6 * depth.size:
+        mask[window] = surface
+    return mask
+
+
+def _main_surface(depth: NDArray[np.float32], solid: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """(h, w) the connected surface that fills most of the middle."""
+    jump = JUMP_M + JUMP_PER_M * depth
+    smooth = solid.copy()
+    for axis in (0, 1):
+        step = np.abs(np.diff(depth, axis=axis))
+        limit = np.minimum(*_pair(jump, axis))
+        both = np.logical_and(*_pair(solid, axis))
+        broken = both & (step > limit)
+        nearer_first = np.less(*_pair(depth, axis))
+        first, second = _pair(smooth, axis)
+        second[broken & nearer_first] = False  # of two surfaces the farther one ends at the edge
+        first[broken & ~nearer_first] = False
+    pieces, count = label(smooth)
+    if not count:
+        return smooth
+    height, width = depth.shape
+    top, left = int(MIDDLE * height), int(MIDDLE * width)
+    middle = pieces[top : height - top, left : width - left]
+    votes = np.bincount(middle.ravel(), minlength=count + 1)[1:]
+    if not votes.any():
+        votes = np.bincount(pieces.ravel(), minlength=count + 1)[1:]
+    return np.asarray(pieces == 1 + int(np.argmax(votes)))
+
+
+def _pair(array: NDArray[np.generic], axis: int) -> tuple[NDArray[np.generic], NDArray[np.generic]]:
+    """Views of all but the last and of all but the first along an axis."""
+    if axis == 0:
+        return array[:-1], array[1:]
+    return array[:, :-1], array[:, 1:]

@@ -1,0 +1,1 @@
+"""Object detectors in ONNX files: `--detector onnx:MODEL.onnx` (extra `onnx`)."""

@@ -1,0 +1,69 @@
+"""Real models on real photographs, and what is said of files that are none."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from shared_data import shared_data, shared_model
+from toponav.errors import InputError, MissingExtraError
+from toponav.perception import DetectorContext, PerceptionConfig, make_detector
+from toponav.perception.onnx.boxes import Boxes
+from toponav.perception.onnx.detector import filled_boxes
+
+DEIM = "deimv2_hgnetv2_femto_coco.onnx"
+VOCABULARY = ("bed", "chair", "sofa", "plant", "tv_monitor", "table", "toilet")
+
+
+def detector(model: Path):
+    pytest.importorskip("onnxruntime", reason="needs the extra onnx")
+    return make_detector(f"onnx:{model}", DetectorContext(PerceptionConfig()))
+
+
+@pytest.mark.parametrize("model", [DEIM, "picodet_s_416_coco.onnx", "yolox_nano.onnx"])
+def test_furniture_in_photographs_is_found(model: str) -> None:
+    finder, found = detector(shared_model(model)), []
+    for photo in sorted(shared_data("photos").glob("*.jpg")):
+        rgb = np.asarray(Image.open(photo).convert("RGB"))
+        seen = finder.detect(rgb, VOCABULARY)
+        assert seen.masks_are_boxes
+        assert seen.masks.shape[1:] == rgb.shape[:2]
+        found += seen.labels
+    assert len(set(found)) >= 2
+
+
+def test_boxes_are_filled_and_kept_within_the_image() -> None:
+    boxes = Boxes(np.array([[2.4, 1.0, 5.2, 3.0]]), np.zeros(1, np.int64), np.array([0.5]))
+    seen = filled_boxes(["bed"], boxes, 4, 8)
+    assert np.argwhere(seen.masks[0]).min(axis=0).tolist() == [1, 2]
+    assert np.argwhere(seen.masks[0]).max(axis=0).tolist() == [2, 5]
+    assert seen.where(np.array([True])).masks_are_boxes
+
+
+def test_three_hundred_detections_are_no_trouble() -> None:
+    many = Boxes(np.tile([0.0, 0.0, 9.0, 9.0], (300, 1)), np.zeros(300, int), np.ones(300))
+    assert filled_boxes(["bed"] * 300, many, 20, 20).masks.sum() == 300 * 81
+
+
+def test_files_that_are_no_models_are_said(tmp_path: Path) -> None:
+    pytest.importorskip("onnxruntime", reason="needs the extra onnx")
+    with pytest.raises(InputError, match="no such model"):
+        detector(tmp_path / "missing.onnx")
+    broken = tmp_path / "broken.onnx"
+    broken.write_bytes(b"\x08\x07 this is no model")
+    with pytest.raises(InputError, match=r"broken\.onnx is no ONNX model"):
+        detector(broken)
+    with pytest.raises(InputError, match="onnx:PATH"):
+        make_detector("onnx", DetectorContext(PerceptionConfig()))
+    with pytest.raises(InputError, match="unknown detector"):
+        make_detector("onyx:model.onnx", DetectorContext(PerceptionConfig()))
+
+
+def test_without_the_extra_it_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setitem(sys.modules, "onnxruntime", None)
+    with pytest.raises(MissingExtraError, match=r"toponav\[onnx\]"):
+        make_detector(f"onnx:{tmp_path / 'm.onnx'}", DetectorContext(PerceptionConfig()))
