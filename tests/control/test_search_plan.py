@@ -12,7 +12,7 @@ from toponav.control.search_plan import (
     Belief,
     SearchPlanConfig,
     frontier_towards,
-    next_frontier,
+    ranked_frontiers,
 )
 from toponav.mapping.view import MapView, PointCloud
 
@@ -33,7 +33,7 @@ def chosen_x(view: MapView, x: float, belief: Belief = NOTHING) -> float:
     here = (x, 1.5)
     reach, clusters = reach_from(view, here), clusters_from(view, here)
     planner, config = Planner(PlannerConfig()), SearchPlanConfig()
-    return float(next_frontier(clusters, belief, view, reach, planner, config)[0])
+    return float(ranked_frontiers(clusters, belief, view, reach, planner, config)[0].waypoint[0])
 
 
 def with_object(category: str, x: float) -> MapView:

@@ -14,9 +14,10 @@ from toponav.control.search_plan import (
     Belief,
     SearchPlanConfig,
     frontier_towards,
-    next_frontier,
+    ranked_frontiers,
 )
 from toponav.mapping.view import MapView
+from toponav.policy.decision import WeighedFrontier
 from toponav.reasoning.base import Reasoner
 from toponav.types import Action, Observation
 
@@ -49,7 +50,13 @@ class PlannedSearch:
         self._full_turn = round(360.0 / locomotion.follower.turn_deg)
         self._reasoner = reasoner
         self._waypoint: NDArray[np.float64] | None = None
+        self._weighed: tuple[WeighedFrontier, ...] = ()
         self._turns = 0
+
+    @property
+    def weighed(self) -> tuple[WeighedFrontier, ...]:
+        """What the present choice was made from, in the order of visits."""
+        return self._weighed
 
     def set_out(
         self,
@@ -70,9 +77,10 @@ class PlannedSearch:
         if clusters:
             seen = {name: a for name, a in self._affinities().items() if name in view.objects}
             belief = Belief(seen, guided)
-            self._waypoint = next_frontier(
+            self._weighed = ranked_frontiers(
                 clusters, belief, view, reach, self._planner, self._config
             )
+            self._waypoint = self._weighed[0].waypoint
         return self._waypoint
 
     def set_out_towards(
@@ -90,7 +98,7 @@ class PlannedSearch:
 
     def leave(self) -> None:
         """Something else than a frontier is gone to."""
-        self._waypoint = None
+        self._waypoint, self._weighed = None, ()
 
     def is_gone(self, view: MapView) -> bool:
         """Whether the frontier that is gone to has been seen from afar."""
@@ -121,7 +129,7 @@ class PlannedSearch:
         self, view: MapView, reach: CostField, admissible: NDArray[np.bool_]
     ) -> tuple[FrontierCluster, ...]:
         """The frontiers to choose from; the last choice is forgotten."""
-        self._waypoint = None
+        self.leave()
         return frontier_clusters(view, reach, admissible)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
@@ -17,6 +17,7 @@ from toponav.control.frontier_clusters import FrontierCluster
 from toponav.control.planner import CostField, Planner
 from toponav.mapping.unknown_area import unknown_area_m2
 from toponav.mapping.view import MapView
+from toponav.policy.decision import WeighedFrontier
 
 Positive = Annotated[float, Field(gt=0.0)]
 STAIRS = "stairs"
@@ -79,15 +80,15 @@ class Belief:
     guided: NDArray[np.float64]
 
 
-def next_frontier(
+def ranked_frontiers(
     clusters: Sequence[FrontierCluster],
     belief: Belief,
     view: MapView,
     reach: CostField,
     planner: Planner,
     config: SearchPlanConfig,
-) -> NDArray[np.float64]:
-    """The (3,) waypoint of the first of the frontiers, in the order that finds the target soonest.
+) -> tuple[WeighedFrontier, ...]:
+    """The frontiers in the order that finds the target soonest; those not ordered come last.
 
     Args:
         clusters: One or more.
@@ -97,16 +98,18 @@ def next_frontier(
         planner: Finds the ways between frontiers.
         config: Weights.
     """
-    chance = np.array([_promise(cluster, belief, view, config) for cluster in clusters])
-    cost = np.array([cluster.path_cost for cluster in clusters])
-    kept = np.argsort(-chance / (cost + 1.0), kind="stable")[: config.places]
-    places = np.stack([clusters[k].nearest for k in kept])
+    weighed = [_weigh(cluster, belief, view, config) for cluster in clusters]
+    chance = np.array([frontier.promise for frontier in weighed])
+    cost = np.array([frontier.path_cost for frontier in weighed])
+    by_promise = np.argsort(-chance / (cost + 1.0), kind="stable")
+    kept, rest = by_promise[: config.places], by_promise[config.places :]
+    places = np.stack([weighed[k].waypoint for k in kept])
     between = np.stack([planner.cost_field(reach.clearance, p).at(places) for p in places[:, :2]])
     between = np.minimum(between, between.T)
     between[~np.isfinite(between)] = UNREACHABLE_M
-    first = soonest_order(cost[kept], between, chance[kept])[0]
-    waypoint: NDArray[np.float64] = places[first]
-    return waypoint
+    order = soonest_order(cost[kept], between, chance[kept])
+    ranked = [replace(weighed[kept[place]], rank=rank) for rank, place in enumerate(order)]
+    return (*ranked, *(weighed[k] for k in rest))
 
 
 def frontier_towards(
@@ -128,23 +131,36 @@ def frontier_towards(
     return min(clusters, key=way).nearest
 
 
-def _promise(
+def _weigh(
     cluster: FrontierCluster, belief: Belief, view: MapView, config: SearchPlanConfig
-) -> float:
-    """The chance of finding the target beyond a frontier, up to a common factor."""
+) -> WeighedFrontier:
+    """What a frontier promises, and why."""
     cells = np.clip(view.grid.index_of(cluster.cells), 0, np.array(view.grid.cells.shape) - 1)
     area = unknown_area_m2(view.grid, cells, config.unknown_reach_m)
     unseen = 1.0 - math.exp(-area / config.unknown_half_m2)
-    likelihood = config.base_likelihood
+    likelihood, speaks = config.base_likelihood, ""
     for category, affinity in belief.affinity.items():
         distance = _distance_to(category, cluster, view)
         if distance <= config.seen_radius_m:
             nearness = 1.0 / (1.0 + (distance / config.seen_half_m) ** 2)
-            likelihood = max(likelihood, affinity * nearness)
-    weight = config.guided_node if _holds_any(cluster, belief.guided) else 1.0
-    if STAIRS in view.objects and _distance_to(STAIRS, cluster, view) <= config.stairs_m:
+            if affinity * nearness > likelihood:
+                likelihood, speaks = affinity * nearness, category
+    guided = _holds_any(cluster, belief.guided)
+    weight = config.guided_node if guided else 1.0
+    on_stairs = STAIRS in view.objects and _distance_to(STAIRS, cluster, view) <= config.stairs_m
+    if on_stairs:
         weight *= config.stairs_weight
-    return weight * unseen * math.pow(likelihood, config.semantic_exponent)
+    return WeighedFrontier(
+        waypoint=cluster.nearest,
+        cells=cluster.size,
+        path_cost=cluster.path_cost,
+        unknown_m2=area,
+        likelihood=likelihood,
+        speaks=speaks,
+        guided=guided,
+        on_stairs=on_stairs,
+        promise=weight * unseen * math.pow(likelihood, config.semantic_exponent),
+    )
 
 
 def _distance_to(category: str, cluster: FrontierCluster, view: MapView) -> float:
