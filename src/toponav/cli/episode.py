@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from toponav.categories import readable
 from toponav.cli.console import Output
 from toponav.config import config_json
+from toponav.evaluation.explanation import ExplanationRecorder
 from toponav.evaluation.model_files import ModelFiles
 from toponav.evaluation.recorder import EpisodeRecorder
 from toponav.evaluation.results import EpisodeResult, to_json
@@ -100,7 +101,7 @@ def run_one(
         config: How.
         wish: What to find and from where, as far as the user said.
         folder: Gets config.json, result.json, trajectory.jsonl, decisions.jsonl, memory.json,
-            topdown.png and a panorama a decision.
+            explanation.json.gz, topdown.png and a panorama a decision.
         output: Where to tell about it.
         cache: Folder of a model's answers, which are not asked for again.
 
@@ -118,7 +119,8 @@ def run_one(
     narrator = Narrator(output, folder, spec.episode.target)
     output.say(f"searching for a {readable(spec.episode.target)} in {scene.name}")
     access = ModelFiles(folder, cache).access(spec.scene, spec.index)
-    result = runner.run(spec, (recorder, narrator), (recorder, narrator), access)
+    explainer = ExplanationRecorder(folder, spec.episode.target, access.log)
+    result = runner.run(spec, (recorder, narrator), (recorder, narrator, explainer), access)
     write_atomic(folder / "result.json", to_json(result) + "\n")
     if narrator.map_view is not None:
         picture = TopDownPicture(

@@ -24,7 +24,17 @@ ERRORS_FILE = "errors.log"
 """Tracebacks of episodes that failed by a defect; absent without any."""
 
 FREE_TO_CHANGE = frozenset(
-    {"episodes", "data", "shard", "workers", "ray_address", "record", "cache", "max_cost"}
+    {
+        "episodes",
+        "data",
+        "shard",
+        "workers",
+        "ray_address",
+        "record",
+        "explain",
+        "cache",
+        "max_cost",
+    }  # fmt: skip
 )
 """What of a request may differ when a run is resumed, since no result depends on it."""
 
@@ -55,6 +65,9 @@ class RunRequest(ConfigModel):
 
     record: bool = True
     """Write every step and decision into a folder an episode."""
+
+    explain: bool = True
+    """Write beside them, where they are written, the map, the weights and small pictures of every decision."""
 
     cache: Path | None = None
     """Folder of a model's answers, which are not asked for again."""
