@@ -52,6 +52,9 @@ class Watcher:
         """Nothing is kept."""
 
 
+SIDES = st.tuples(st.integers(1, 9), st.integers(1, 9))
+
+
 def watched(preset: str, folder: Path | None = None) -> Watcher:
     runner, watcher = small_runner(preset=preset), Watcher()
     spec = runner.episode(1)
@@ -185,9 +188,7 @@ def test_the_same_episode_makes_the_same_file(tmp_path: Path) -> None:
     assert first.read_bytes() == second.read_bytes()
 
 
-@given(
-    arrays(np.int64, st.tuples(st.integers(1, 9), st.integers(1, 9)), elements=st.integers(0, 3))
-)
+@given(arrays(np.int64, SIDES, elements=st.integers(0, 3)))
 def test_runs_read_back(values: np.ndarray[Any, Any]) -> None:
     shape = (values.shape[0], values.shape[1])
     np.testing.assert_array_equal(values_of(runs_of(values), shape), values)

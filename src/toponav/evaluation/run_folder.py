@@ -24,17 +24,7 @@ ERRORS_FILE = "errors.log"
 """Tracebacks of episodes that failed by a defect; absent without any."""
 
 FREE_TO_CHANGE = frozenset(
-    {
-        "episodes",
-        "data",
-        "shard",
-        "workers",
-        "ray_address",
-        "record",
-        "explain",
-        "cache",
-        "max_cost",
-    }  # fmt: skip
+    "episodes data shard workers ray_address record explain cache max_cost".split()
 )
 """What of a request may differ when a run is resumed, since no result depends on it."""
 
@@ -67,7 +57,7 @@ class RunRequest(ConfigModel):
     """Write every step and decision into a folder an episode."""
 
     explain: bool = True
-    """Write beside them, where they are written, the map, the weights and small pictures of every decision."""
+    """Write beside them the map, the weights and small pictures of every decision."""
 
     cache: Path | None = None
     """Folder of a model's answers, which are not asked for again."""
