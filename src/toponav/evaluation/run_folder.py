@@ -24,7 +24,17 @@ ERRORS_FILE = "errors.log"
 """Tracebacks of episodes that failed by a defect; absent without any."""
 
 FREE_TO_CHANGE = frozenset(
-    "episodes data shard workers ray_address record explain cache max_cost".split()
+    [
+        "episodes",
+        "data",
+        "shard",
+        "workers",
+        "ray_address",
+        "record",
+        "explain",
+        "cache",
+        "max_cost",
+    ]
 )
 """What of a request may differ when a run is resumed, since no result depends on it."""
 
