@@ -18,6 +18,7 @@ from toponav.evaluation.model_files import ModelFiles
 from toponav.evaluation.recorder import EpisodeRecorder
 from toponav.evaluation.results import EpisodeResult, to_json
 from toponav.evaluation.run_config import RunConfig
+from toponav.evaluation.run_folder import RESULT_FILE
 from toponav.evaluation.runner import SceneRunner, check_parts
 from toponav.files import write_atomic
 from toponav.mapping.view import MapView
@@ -121,7 +122,7 @@ def run_one(
     access = ModelFiles(folder, cache).access(spec.scene, spec.index)
     explainer = ExplanationRecorder(folder, spec.episode.target, access.log)
     result = runner.run(spec, (recorder, narrator), (recorder, narrator, explainer), access)
-    write_atomic(folder / "result.json", to_json(result) + "\n")
+    write_atomic(folder / RESULT_FILE, to_json(result) + "\n")
     if narrator.map_view is not None:
         picture = TopDownPicture(
             map_view=narrator.map_view,

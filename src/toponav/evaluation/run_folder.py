@@ -20,6 +20,9 @@ from toponav.evaluation.run_config import RunConfig
 from toponav.files import append_line, discard_temporaries, write_atomic
 
 CONFIG_FILE, RUN_FILE, SUMMARY_FILE = "config.json", "run.json", "summary.json"
+RESULT_FILE = "result.json"
+"""The one result of `toponav demo` and `toponav run`."""
+
 ERRORS_FILE = "errors.log"
 """Tracebacks of episodes that failed by a defect; absent without any."""
 
