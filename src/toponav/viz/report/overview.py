@@ -41,8 +41,13 @@ def _tables(runs: Sequence[Run], resampling: Resampling) -> list[Table]:
 def _table(table: Table) -> dict[str, Any]:
     return {
         "title": table.title,
-        "columns": [{"title": one.title, "label": one.label} for one in table.columns],
-        "rows": [[split_interval(text) for text in row] for row in table.texts()],
+        "panels": [
+            {
+                "columns": [{"title": one.title, "label": one.label} for one in panel.columns],
+                "rows": [[split_interval(text) for text in row] for row in panel.texts()],
+            }
+            for panel in table.panels()
+        ],
         "notes": table.notes,
     }
 

@@ -16,15 +16,15 @@ function tableCard(table) {
     "article",
     { class: "card" },
     el("h2", {}, table.title),
-    el("div", { class: "scroll" }, gridOf(table)),
+    table.panels.map((panel) => el("div", { class: "scroll" }, gridOf(panel))),
     table.notes.length > 0 && notes,
   );
 }
 
-function gridOf(table) {
-  const heads = table.columns.map((column) => el("th", sideOf(column), column.title));
-  const rows = table.rows.map((row) =>
-    el("tr", {}, row.map((cell, k) => el("td", sideOf(table.columns[k]), cellContent(cell)))),
+function gridOf({ columns, rows: cells }) {
+  const heads = columns.map((column) => el("th", sideOf(column), column.title));
+  const rows = cells.map((row) =>
+    el("tr", {}, row.map((cell, k) => el("td", sideOf(columns[k]), cellContent(cell)))),
   );
   return el("table", {}, el("thead", {}, el("tr", {}, heads)), el("tbody", {}, rows));
 }
