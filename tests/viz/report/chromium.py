@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+ARGUMENTS = ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--hide-scrollbars")
 WITHOUT_NETWORK = ("file:", "data:", "blob:")
 
 
