@@ -171,6 +171,14 @@ def test_an_accepted_target_is_among_the_candidates(
         assert all(low <= high for low, high in zip(candidate.low, candidate.high, strict=True))
 
 
+def test_the_last_map_is_there(episode: tuple[Watcher, Explanation]) -> None:
+    _, explanation = episode
+    assert explanation.end is not None
+    known = [np.count_nonzero(values_of(m.cells, m.shape)) for m in
+             (explanation.decisions[-1].map, explanation.end)]  # fmt: skip
+    assert known[1] >= known[0] > 0
+
+
 def test_the_picture_shows_the_last_floor(episode: tuple[Watcher, Explanation]) -> None:
     _, explanation = episode
     picture = explanation.picture

@@ -94,11 +94,13 @@ class ExplanationRecorder:
         )
 
     def on_close(self, map_view: MapView | None, memory: TopologicalMemory | None) -> None:
-        """Write the file, with a picture of the last floor."""
+        """Write the file, with the last map and a picture of its floor."""
         del memory
-        picture = None if map_view is None else _picture(map_view)
         explanation = Explanation(
-            target=self._target, decisions=tuple(self._decisions), picture=picture
+            target=self._target,
+            decisions=tuple(self._decisions),
+            end=None if map_view is None else _map_record(map_view, None),
+            picture=None if map_view is None else _picture(map_view),
         )
         save_explanation(explanation, self._path)
 

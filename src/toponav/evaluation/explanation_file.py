@@ -166,6 +166,9 @@ class Explanation(_Record):
     format: Literal["toponav-explanation/1"] = FORMAT
     target: str
     decisions: tuple[DecisionRecord, ...] = ()
+    end: MapRecord | None = None
+    """The map when the episode was over."""
+
     picture: PictureRecord | None = None
 
 

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import io
 import json
-from collections.abc import Iterator
 from pathlib import Path
 from urllib.parse import urlencode
 
 import numpy as np
 import pytest
-from chromium import Browser, chromium
+from chromium import Browser
 from explained_runs import explained_run, report_of
 from PIL import Image
 
@@ -26,28 +25,12 @@ RIGHT, LEFT, END = "\ue014", "\ue012", "\ue010"
 EACH = "return [...document.querySelectorAll('{}')].map((one) => {})"
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def page(tmp_path_factory: pytest.TempPathFactory) -> Page:
     folder = tmp_path_factory.mktemp("explorer")
     first = explained_run(folder / "default", SOURCE, EPISODES)
     second = explained_run(folder / "paper", SOURCE, 4, preset="paper")
     return report_of(folder / "report.html", first, second)
-
-
-@pytest.fixture(scope="session")
-def session() -> Iterator[Browser]:
-    with chromium() as browser:
-        yield browser
-
-
-@pytest.fixture
-def browser(session: Browser) -> Iterator[Browser]:
-    session.screen(1280, 900, "light")
-    session.complaints()
-    session.outside_requests()
-    yield session
-    assert session.complaints() == []
-    assert session.outside_requests() == []
 
 
 def address(run: Run, k: int, **more: str) -> str:

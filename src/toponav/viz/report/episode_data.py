@@ -48,6 +48,7 @@ def episode_data(records: EpisodeRecords, pictures: Pictures) -> dict[str, Any]:
         "target": readable(records.result.target),
         "steps": _steps(records.steps),
         "decisions": decisions,
+        "end": None if explanation is None or explanation.end is None else _map(explanation.end),
         "picture": _picture(explanation, pictures),
         "memory": _memory(records.memory),
     }

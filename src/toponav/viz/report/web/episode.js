@@ -32,7 +32,8 @@ export class EpisodeStage {
     const moment = this.moments[this.at];
     this.slider.value = String(this.at);
     this.slider.setAttribute("aria-valuetext", momentText(moment));
-    this.position.textContent = `${momentText(moment)} of ${this.sources[0].data.decisions.length}`;
+    const count = moment.end ? "" : ` of ${this.sources[0].data.decisions.length}`;
+    this.position.textContent = momentText(moment) + count;
     [...this.ticks.children].forEach((tick, k) => tick.classList.toggle("on", k === this.at));
     this.onMoment(moment);
     await Promise.all(this.panes.map((pane) => pane.show(moment)));
@@ -127,6 +128,6 @@ export class EpisodeStage {
 }
 
 function momentText(moment) {
-  if (moment.end) return "end";
+  if (moment.end) return "the end";
   return moment.decision === null ? `step ${moment.step}` : `decision ${moment.decision + 1}`;
 }

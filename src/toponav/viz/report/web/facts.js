@@ -20,6 +20,17 @@ export function factsOf(decision, panorama, map) {
   ].filter(Boolean);
 }
 
+/** How the search went, from the truth that the agent never saw. */
+export function endingOf(episode) {
+  const at = (step) => (step === null ? "never" : `step ${step}`);
+  return card("How it ended", pairs([
+    ["target first in view", at(episode.visible)],
+    ["first detected", at(episode.detected)],
+    ["first set out for", at(episode.approached)],
+    ["end", `${episode.ended}, step ${episode.steps}`],
+  ]));
+}
+
 function card(title, content) {
   if (!content) return null;
   return el("section", { class: "fact" }, el("h3", {}, title), content);
@@ -87,7 +98,7 @@ function changeList(changes) {
 function frontierTable(frontiers, map) {
   if (!frontiers || frontiers.length === 0) return null;
   const most = Math.max(...frontiers.map((one) => one.promise), 1e-9);
-  const heads = ["", "promise", "unknown", "likely", "way", ""];
+  const heads = ["", "promise", "unknown", "likely", "way", "why"];
   const rows = frontiers.map((one) =>
     el(
       "tr",
@@ -112,7 +123,7 @@ function frontierTable(frontiers, map) {
 }
 
 function reasonsFor(one) {
-  return [one.speaks, one.guided && "named by the reasoner", one.on_stairs && "stairs"].filter(Boolean).join(", ");
+  return [one.speaks, one.guided && "reasoner's place", one.on_stairs && "stairs"].filter(Boolean).join(", ");
 }
 
 function termBars(terms) {

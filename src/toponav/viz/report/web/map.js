@@ -38,6 +38,7 @@ export function extentOf(panes) {
 function mapExtents(data) {
   const lastOfFloor = new Map();
   for (const decision of data.decisions) if (decision.map) lastOfFloor.set(decision.floor, decision.map);
+  if (data.end) lastOfFloor.set("end", data.end);
   return [...lastOfFloor.values()].map(knownExtent);
 }
 

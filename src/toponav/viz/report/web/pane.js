@@ -1,7 +1,7 @@
 // One run's side of an episode: its map and its facts.
 
 import { el, fill } from "./dom.js";
-import { factsOf } from "./facts.js";
+import { endingOf, factsOf } from "./facts.js";
 import { EpisodeMap } from "./map.js";
 import { decisionAt } from "./moments.js";
 import { counted, fixed } from "./numbers.js";
@@ -39,7 +39,8 @@ export class Pane {
     this.redraw();
     fill(this.caption, captionOf(decision, k, moment, episode));
     const strip = await loadPicture(decision?.panorama);
-    if (this.moment === moment) fill(this.facts, this.note(), factsOf(decision, strip, this.map));
+    if (this.moment !== moment) return;
+    fill(this.facts, this.note(), moment.end && endingOf(episode), factsOf(decision, strip, this.map));
   }
 
   /** The map anew, as after a change of colours or layers. */
@@ -47,7 +48,9 @@ export class Pane {
     const { data } = this.source;
     const { moment, picture, shown } = this;
     if (!moment) return;
-    this.map.draw({ data, moment, picture, shown, decision: data.decisions[decisionAt(data, moment)] });
+    const decision = data.decisions[decisionAt(data, moment)];
+    const seen = moment.end && data.end && decision ? { ...decision, map: data.end, frontiers: [] } : decision;
+    this.map.draw({ data, moment, picture, shown, decision: seen });
   }
 
   note() {
