@@ -3,8 +3,9 @@
 import { el, fill } from "./dom.js";
 import { LAYERS, extentOf } from "./map.js";
 import { momentOf, momentsOf } from "./moments.js";
-import { counted, fixed } from "./numbers.js";
-import { Pane, outcomeChip } from "./pane.js";
+import { fixed } from "./numbers.js";
+import { Pane } from "./pane.js";
+import { definitions, outcomeChip } from "./parts.js";
 
 const SHOWN = Object.fromEntries(Object.keys(LAYERS).map((name) => [name, true]));
 // Kept from episode to episode, for the reader set it.
@@ -48,12 +49,14 @@ export class EpisodeStage {
   }
 
   build(section, companions, side) {
-    const panes = el("div", { class: side ? "panes two" : "panes" }, this.panes.map((pane) => pane.element));
+    const elements = this.panes.map((pane) => pane.element);
+    const panes = el("div", { class: side ? "panes two" : "panes" }, elements);
     fill(section, this.head(companions), this.timeline(), this.layerChips(), panes);
   }
 
   head(companions) {
     const { run, episode } = this.sources[0];
+    const place = ` in ${episode.scene} #${episode.index}`;
     const figures = [
       ["SPL", fixed(episode.spl, 2)],
       ["steps", String(episode.steps)],
@@ -65,8 +68,8 @@ export class EpisodeStage {
     return el(
       "div",
       { class: "head" },
-      el("h1", {}, episode.target, el("small", {}, ` in ${episode.scene} #${episode.index}`), " ", outcomeChip(episode)),
-      el("dl", { class: "figures" }, figures.map(([key, value]) => el("div", {}, el("dt", {}, key), el("dd", {}, value)))),
+      el("h1", {}, episode.target, el("small", {}, place), " ", outcomeChip(episode)),
+      definitions("figures", figures),
       companions && el("label", { class: "with" }, `${run.name} with `, companions),
     );
   }
@@ -78,16 +81,21 @@ export class EpisodeStage {
       oninput: () => this.moveTo(Number(this.slider.value)),
     });
     this.position = el("output", { class: "position" });
-    this.ticks = el("div", { class: "ticks", "aria-hidden": "true" }, this.moments.map((moment, k) => this.tick(moment, k)));
-    const button = (text, title, by) => el("button", { type: "button", title, "aria-label": title, onclick: () => this.step(by) }, text);
+    const ticks = this.moments.map((moment, k) => this.tick(moment, k));
+    this.ticks = el("div", { class: "ticks", "aria-hidden": "true" }, ticks);
     return el(
       "div",
       { class: "timeline" },
-      button("‹", "The decision before (←)", -1),
+      this.stepButton("‹", "The decision before (←)", -1),
       el("div", { class: "track" }, this.slider, this.ticks),
-      button("›", "The next decision (→)", 1),
+      this.stepButton("›", "The next decision (→)", 1),
       this.position,
     );
+  }
+
+  stepButton(text, title, by) {
+    const onclick = () => this.step(by);
+    return el("button", { type: "button", title, "aria-label": title, onclick }, text);
   }
 
   tick(moment, k) {

@@ -26,12 +26,16 @@ export function listen(actions, search) {
 }
 
 export function buildHelp(dialog, button) {
-  const rows = HELP.map(([keys, text]) => el("tr", {}, el("th", {}, keys.split(" ").map((key) => el("kbd", {}, key))), el("td", {}, text)));
+  const rows = HELP.map(([keys, text]) => {
+    const caps = keys.split(" ").map((key) => el("kbd", {}, key));
+    return el("tr", {}, el("th", {}, caps), el("td", {}, text));
+  });
+  const link = "The address names the run, the episode and the decision: send it as a link.";
   fill(
     dialog,
     el("h2", {}, "Keys"),
     el("table", {}, el("tbody", {}, rows)),
-    el("p", { class: "muted" }, "The address names the run, the episode and the decision: send it as a link."),
+    el("p", { class: "muted" }, link),
     el("form", { method: "dialog" }, el("button", {}, "Close")),
   );
   button.addEventListener("click", () => dialog.showModal());

@@ -1,6 +1,6 @@
 // The page: reads the address, shows what it asks for, and keeps it true.
 
-import { el } from "./dom.js";
+import { el, fill } from "./dom.js";
 import { EpisodeStage } from "./episode.js";
 import { buildFilters, chooseRun, chosenRun, passing } from "./filters.js";
 import { buildHelp, listen } from "./keys.js";
@@ -11,12 +11,12 @@ import { loadEpisode, readOverview } from "./store.js";
 import { showTables } from "./tables.js";
 import { nextTheme, startTheme } from "./theme.js";
 
+const PARTS = ["filters", "count", "list", "results", "episode", "theme", "help", "keys"];
+
 class Explorer {
   constructor() {
     this.overview = readOverview();
-    this.part = Object.fromEntries(
-      ["filters", "count", "list", "results", "episode", "theme", "help", "keys"].map((id) => [id, document.getElementById(id)]),
-    );
+    this.part = Object.fromEntries(PARTS.map((id) => [id, document.getElementById(id)]));
     this.stage = null;
     this.shownKey = "";
     this.byKey = this.overview.runs.map(
@@ -86,12 +86,13 @@ class Explorer {
       this.listEpisodes();
     }
     this.mark();
-    const loaded = await Promise.all(sources.map(async (source) => ({ ...source, data: await loadEpisode(source.r, source.k) })));
+    const data = await Promise.all(sources.map(({ r, k }) => loadEpisode(r, k)));
     if (this.shownKey !== key) return;
+    const loaded = sources.map((source, s) => ({ ...source, data: data[s] }));
     const base = this.routeTo(first.r, first.episode, sources[1]?.run.name);
-    this.stage = new EpisodeStage(this.part.episode, loaded, this.companionChoice(sources), (moment) =>
-      this.arriveAt({ ...base, ...routeOf(moment) }),
-    );
+    const arrive = (moment) => this.arriveAt({ ...base, ...routeOf(moment) });
+    const companions = this.companionChoice(sources);
+    this.stage = new EpisodeStage(this.part.episode, loaded, companions, arrive);
     await this.stage.start(route);
   }
 
@@ -104,8 +105,9 @@ class Explorer {
   nothing(route) {
     this.stage = null;
     this.shownKey = "";
-    const text = route.scene === undefined ? "Choose an episode from the list." : "This page holds no such episode.";
-    this.part.episode.replaceChildren(el("p", { class: "empty" }, text));
+    const unnamed = route.scene === undefined;
+    const text = unnamed ? "Choose an episode from the list." : "This page holds no such episode.";
+    fill(this.part.episode, el("p", { class: "empty" }, text));
   }
 
   /** The run that the address names and the one beside it, as far as they have the episode. */
@@ -115,9 +117,10 @@ class Explorer {
     const named = (name) => runs.findIndex((run) => run.name === name);
     const first = route.run === undefined ? 0 : named(route.run);
     const numbers = first < 0 ? [] : [...new Set([first, named(route.with)])];
-    return numbers
-      .filter((r) => r >= 0 && this.byKey[r].has(key))
-      .map((r) => ({ r, k: this.byKey[r].get(key), run: runs[r], episode: runs[r].episodes[this.byKey[r].get(key)] }));
+    return numbers.filter((r) => r >= 0 && this.byKey[r].has(key)).map((r) => {
+      const k = this.byKey[r].get(key);
+      return { r, k, run: runs[r], episode: runs[r].episodes[k] };
+    });
   }
 
   routeTo(run, episode, companion) {
@@ -140,14 +143,17 @@ class Explorer {
   /** The names of the other runs that have the episode. */
   companionsOf({ r, episode }) {
     const key = keyOf(episode);
-    return this.overview.runs.filter((run, other) => other !== r && this.byKey[other].has(key)).map((run) => run.name);
+    const has = (run, other) => other !== r && this.byKey[other].has(key);
+    return this.overview.runs.filter(has).map((run) => run.name);
   }
 
   companionChoice(sources) {
     const names = this.companionsOf(sources[0]);
     if (names.length === 0) return null;
     const chosen = sources[1]?.run.name ?? "";
-    const options = ["", ...names].map((name) => el("option", { value: name, selected: name === chosen }, name || "no other"));
+    const options = ["", ...names].map((name) =>
+      el("option", { value: name, selected: name === chosen }, name || "no other"),
+    );
     const select = el("select", { "aria-label": "Side by side with" }, options);
     select.addEventListener("change", () => this.compareWith(select.value));
     return select;

@@ -5,7 +5,12 @@ import { endingOf, factsOf } from "./facts.js";
 import { EpisodeMap } from "./map.js";
 import { decisionAt } from "./moments.js";
 import { counted, fixed } from "./numbers.js";
+import { outcomeChip } from "./parts.js";
 import { loadPicture } from "./store.js";
+
+const NO_RECORDS = "Nothing was recorded of this episode.";
+const NO_MAPS =
+  "No maps were recorded: toponav eval --explain does. The places are those of the end.";
 
 export class Pane {
   /** `source` has the run, the episode's line and its data; `shown` says which layers are on. */
@@ -48,25 +53,26 @@ export class Pane {
     const { data } = this.source;
     const { moment, picture, shown } = this;
     if (!moment) return;
-    const decision = data.decisions[decisionAt(data, moment)];
-    const seen = moment.end && data.end && decision ? { ...decision, map: data.end, frontiers: [] } : decision;
-    this.map.draw({ data, moment, picture, shown, decision: seen });
+    const last = data.decisions[decisionAt(data, moment)];
+    const atEnd = moment.end && data.end && last;
+    const decision = atEnd ? { ...last, map: data.end, frontiers: [] } : last;
+    this.map.draw({ data, moment, picture, shown, decision });
   }
 
+  /** What was not recorded, if anything. */
   note() {
     const { decisions } = this.source.data;
-    if (decisions.length === 0) return el("p", { class: "muted note" }, "Nothing was recorded of this episode.");
     if (decisions.some((decision) => decision.map)) return null;
-    return el("p", { class: "muted note" }, "No maps were recorded: toponav eval --explain does. The places are those of the end.");
+    const text = decisions.length === 0 ? NO_RECORDS : NO_MAPS;
+    return el("p", { class: "muted note" }, text);
   }
-}
-
-export function outcomeChip(episode) {
-  return el("span", { class: `chip ${episode.succeeded ? "good" : "bad"}` }, episode.succeeded ? "found" : episode.outcome);
 }
 
 function captionOf(decision, k, moment, episode) {
-  if (moment.end) return `The end: ${episode.ended} after ${counted(episode.steps, "step")}, ${distanceText(episode)}.`;
+  if (moment.end) {
+    const steps = counted(episode.steps, "step");
+    return `The end: ${episode.ended} after ${steps}, ${distanceText(episode)}.`;
+  }
   if (!decision) return "Before the first decision.";
   return [
     el("b", {}, `Decision ${k + 1}`),
@@ -75,7 +81,8 @@ function captionOf(decision, k, moment, episode) {
 }
 
 function distanceText(episode) {
-  return episode.distance === null ? "no path to the target" : `${fixed(episode.distance, 2, "m")} from the target`;
+  if (episode.distance === null) return "no path to the target";
+  return `${fixed(episode.distance, 2, "m")} from the target`;
 }
 
 /** Where it goes, in a few words. */
