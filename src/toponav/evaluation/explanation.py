@@ -44,7 +44,7 @@ CEILING_M = 1.9
 PIXEL_M = 0.05
 """One pixel of the floor's picture: the voxels of the default map."""
 
-VIEW_WIDTH, LONE_VIEW_WIDTH = 192, 320
+VIEW_WIDTH, LONE_VIEW_WIDTH = 224, 400
 """Pixels of a view in a panorama, and of one of the few views of a short look."""
 
 FEW_VIEWS = 3

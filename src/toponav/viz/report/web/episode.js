@@ -99,9 +99,9 @@ export class EpisodeStage {
   }
 
   tick(moment, k) {
-    const phase = this.sources[0].data.decisions[moment.decision]?.phase;
-    const kind = moment.end ? "end" : phase === "exploration" ? "exploring" : phase ? "acquiring" : "other";
-    return el("span", { class: kind, title: momentText(moment), onclick: () => this.moveTo(k) });
+    const decision = this.sources[0].data.decisions[moment.decision];
+    const title = momentText(moment);
+    return el("span", { class: tickKind(moment, decision), title, onclick: () => this.moveTo(k) });
   }
 
   layerChips() {
@@ -133,6 +133,12 @@ export class EpisodeStage {
       return true;
     });
   }
+}
+
+function tickKind(moment, decision) {
+  if (moment.end) return "end";
+  if (!decision) return "other";
+  return decision.phase === "exploration" ? "exploring" : "acquiring";
 }
 
 function momentText(moment) {

@@ -34,7 +34,8 @@ function frontierCells(one, most) {
 /** Each term of the affordance where the agent goes. */
 export function termBars(terms) {
   if (!terms || terms.length === 0) return null;
-  return definitions("bars", terms.map(([name, value]) => [`A_${name}`, meter(value, fixed(value, 2))]));
+  const bars = terms.map(([name, value]) => [`A_${name}`, meter(value, fixed(value, 2))]);
+  return definitions("bars", bars);
 }
 
 export function candidateList(candidates) {

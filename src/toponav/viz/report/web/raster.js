@@ -26,7 +26,8 @@ export function valuesOf(runs, size) {
 
 /** Free floor and obstacles. */
 export function floorLayer(map) {
-  const paint = { [FREE]: rgba("map-free"), [FRONTIER]: rgba("map-free"), [OBSTACLE]: rgba("map-wall") };
+  const free = rgba("map-free");
+  const paint = { [FREE]: free, [FRONTIER]: free, [OBSTACLE]: rgba("map-wall") };
   return painted(map, map.cells, (value) => paint[value]);
 }
 
@@ -70,7 +71,11 @@ export function knownPicture(picture, image, map) {
   const scaleY = canvas.height / (picture.high[1] - picture.low[1]);
   context.imageSmoothingEnabled = false;
   context.drawImage(
-    known, (x - picture.low[0]) * scaleX, (y + picture.high[1]) * scaleY, width * scaleX, height * scaleY,
+    known,
+    (x - picture.low[0]) * scaleX,
+    (y + picture.high[1]) * scaleY,
+    width * scaleX,
+    height * scaleY,
   );
   context.globalCompositeOperation = "source-in";
   context.drawImage(image, 0, 0);
@@ -102,8 +107,8 @@ export function knownExtent(map) {
 export function heatColor(share) {
   const at = Math.min(Math.max(share, 0), 1) * (HEAT_STOPS.length - 1);
   const k = Math.min(Math.floor(at), HEAT_STOPS.length - 2);
-  const mix = HEAT_STOPS[k].map((from, c) => Math.round(from + (HEAT_STOPS[k + 1][c] - from) * (at - k)));
-  return [...mix, HEAT_ALPHA];
+  const [from, to] = [HEAT_STOPS[k], HEAT_STOPS[k + 1]];
+  return [...from.map((channel, c) => Math.round(channel + (to[c] - channel) * (at - k))), HEAT_ALPHA];
 }
 
 function painted(map, runs, colorOf) {
