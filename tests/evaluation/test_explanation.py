@@ -18,8 +18,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from PIL import Image
 
-from small_house import small_runner
+from chat_server import GOOD, chat_server
+from small_house import small_config, small_runner
 from toponav.errors import InputError
+from toponav.evaluation.evaluate import evaluate
 from toponav.evaluation.explanation import HEAT_LEVELS, ExplanationRecorder
 from toponav.evaluation.explanation_file import (
     EXPLANATION_FILE,
@@ -29,6 +31,7 @@ from toponav.evaluation.explanation_file import (
     save_explanation,
     values_of,
 )
+from toponav.evaluation.run_folder import RunRequest
 from toponav.mapping.view import FREE, OCCUPIED, UNKNOWN, MapView
 from toponav.memory.graph import TopologicalMemory
 from toponav.policy.decision import Decision, DecisionListener
@@ -222,3 +225,24 @@ def test_what_is_no_explanation_is_refused_in_one_line(tmp_path: Path) -> None:
     path.write_bytes(path.read_bytes()[:20])
     with pytest.raises(InputError, match="cannot be read"):
         load_explanation(path)
+
+
+def test_a_decision_tells_how_many_questions_a_model_has_answered(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("OPENAI_API_KEY", "sk-test")
+    with chat_server(lambda body: json.dumps({**GOOD, "direction": 0})) as server:
+        overrides = {"reasoner": "openai", "reasoning.openai.base_url": server.url,
+                     "reasoning.openai.price_per_million": "[1, 1]"}  # fmt: skip
+        config = small_config(max_steps=40, overrides=overrides)
+        evaluate(RunRequest(source="generated:6", episodes=1), config, tmp_path)
+    (explained,) = tmp_path.rglob(EXPLANATION_FILE)
+    told = [record.exchanges for record in load_explanation(explained).decisions]
+    (calls,) = (tmp_path / "calls").glob("*.jsonl")
+    asked = [json.loads(line) for line in calls.read_text().splitlines()]
+    lines = (explained.parent / "decisions.jsonl").read_text().splitlines()
+    for first, last, line in zip([0, *told], told, lines, strict=False):
+        place = json.loads(line)["node"]
+        texts = [call["text"] for call in asked[first:last] if call["prompt"] == "guidance"]
+        assert len(texts) == 1
+        assert f"the robot is at place {place}" in texts[0]
