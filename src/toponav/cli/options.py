@@ -82,7 +82,7 @@ class RunOptions:
 
     explain: bool = True
     """Beside what is recorded, write the map, the weights and small pictures of every decision, for
-    toponav report (about 40 kB an episode, two hundredths of its time)."""
+    toponav report (about 50 kB an episode, three hundredths of its time)."""
 
     max_cost: float | None = None
     """Dollars that the reasoner's model may take: then no further episode is begun."""

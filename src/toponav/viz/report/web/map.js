@@ -56,7 +56,7 @@ export class EpisodeMap {
     this.extent = extent;
     this.view = { x: 0, y: 0, zoom: 1 };
     this.scene = null;
-    this.groups = ["raster", "edges", "path", "labels", "frontiers", "candidates", "places", "agent"];
+    this.groups = ["raster", "edges", "path", "labels", "places", "frontiers", "candidates", "agent"];
     this.root = svg("svg", { class: "map", role: "img", "aria-label": "Map from above" });
     for (const name of this.groups) {
       this[name] = svg("g", { class: name });
