@@ -19,8 +19,8 @@ ENTRY = "main"
 
 def page(
     title: str, overview: Mapping[str, Any], episodes: Mapping[str, str], images: Mapping[str, str]
-) -> str:
-    """The whole HTML.
+) -> bytes:
+    """The whole HTML; names of files that are no text are shown with question marks.
 
     Args:
         title: Of the page.
@@ -47,7 +47,7 @@ def page(
     for part in rest:
         name, text = part.split("}}", 1)
         pieces += [parts[name], text]
-    return "".join(pieces)
+    return "".join(pieces).encode("utf-8", errors="replace")
 
 
 def packed(value: Any) -> str:
@@ -57,10 +57,8 @@ def packed(value: Any) -> str:
 
 
 def _script() -> str:
-    names = [
-        entry.name.removesuffix(".js") for entry in _folder().iterdir() if entry.name[-3:] == ".js"
-    ]
-    return "\n" + bundle({name: _text(f"{name}.js") for name in sorted(names)}, ENTRY)
+    files = sorted(entry.name for entry in _folder().iterdir() if entry.name.endswith(".js"))
+    return "\n" + bundle({name.removesuffix(".js"): _text(name) for name in files}, ENTRY)
 
 
 def _policy(style: str, script: str) -> str:

@@ -68,8 +68,8 @@ def write_report(
             on_episode(len(episodes), total)
     seen = overview(runs, resampling or Resampling())
     title = f"TopoNav: {', '.join(run.name for run in runs)}"
-    bare = len(page(title, seen, episodes, {}).encode())
+    bare = len(page(title, seen, episodes, {}))
     images = pictures.encoded(max_mb * MEGABYTE - bare)
-    text = page(title, seen, episodes, images).encode()
+    text = page(title, seen, episodes, images)
     write_atomic(path, text)
     return Written(path, len(text), total, explained, len(images))

@@ -74,12 +74,13 @@ class Explorer {
       return;
     }
     const key = sources.map(({ r, k }) => `${r}-${k}`).join("+");
-    if (key === this.shownKey) await this.stage.start(route);
+    if (this.stage && key === this.shownKey) await this.stage.start(route);
     else await this.open(sources, route, key);
   }
 
   async open(sources, route, key) {
     this.shownKey = key;
+    this.stage = null;
     const [first] = sources;
     if (chosenRun(this.part.filters) !== first.r) {
       chooseRun(this.part.filters, first.r);

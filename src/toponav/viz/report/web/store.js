@@ -19,14 +19,13 @@ export function loadEpisode(r, k) {
   return episode;
 }
 
-/** A picture by its digest, ready to be drawn; null without one. */
+/** A picture by its digest, ready to be drawn; null without one, or for a damaged one. */
 export async function loadPicture(digest) {
   if (!digest) return null;
   const block = await blockOf(`i-${digest}`);
   const image = new Image();
   image.src = `data:image/webp;base64,${block.textContent}`;
-  await image.decode();
-  return image;
+  return image.decode().then(() => image, () => null);
 }
 
 async function decodeEpisode(id) {

@@ -142,7 +142,7 @@ def test_the_script_makes_elements_of_text_only(blocks: Blocks) -> None:
 
 
 def test_nothing_ends_the_overview_early(tmp_path: Path) -> None:
-    hostile = "</script><script>alert(1)</script><!--"
+    hostile = "</script><script>alert(1)</script><!--\udcff"  # and a byte that is no text
     folder = write_run(tmp_path / "run", [made_result(scene=hostile), missed(target=hostile)])
     path, _ = report_of(tmp_path / "r.html", folder, names=(hostile,))
     blocks = Blocks(path.read_text(encoding="utf-8"))
