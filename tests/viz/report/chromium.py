@@ -69,7 +69,7 @@ class Browser:
         """Wait until a script returns something true."""
         from selenium.webdriver.support.ui import WebDriverWait
 
-        WebDriverWait(self.driver, 20, poll_frequency=0.02).until(
+        WebDriverWait(self.driver, 120, poll_frequency=0.02).until(
             lambda driver: driver.execute_script(condition, *values), condition
         )
 
