@@ -64,5 +64,6 @@ class Report:
         if written.explained < written.episodes:
             bare = written.episodes - written.explained
             output.say(f"{bare} episodes have no maps: toponav eval --explain records them")
-        line = f"{written.path}: {written.episodes} episodes, {size_mb:.1f} MB"
+        count = "1 episode" if written.episodes == 1 else f"{written.episodes} episodes"
+        line = f"{written.path}: {count}, {size_mb:.1f} MB"
         output.result(line, {**asdict(written), "path": str(written.path)})
