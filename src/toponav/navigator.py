@@ -229,6 +229,8 @@ class Navigator:
                 guidance=guidance,
                 affordances=affordances,
                 panorama=query.panorama,
+                frontiers=() if self._search is None else self._search.weighed,
+                candidates=self._goal.candidates,
             )
         )
         self._decisions += 1

@@ -14,7 +14,7 @@ from toponav.control.search_plan import (
     frontier_towards,
     is_on_stairs,
     landing,
-    next_frontier,
+    ranked_frontiers,
 )
 from toponav.mapping.view import MapView, PointCloud
 from toponav.policy.glimpses import Glimpse
@@ -40,8 +40,8 @@ def chosen_x(view: MapView, x: float, belief: Belief = NOTHING) -> float:
     places = ([], [])
     for cluster, stairs in zip(clusters, on_stairs, strict=True):
         places[stairs].append(cluster)
-    first = next_frontier(places, belief, view, reach, planner, config)
-    return float(first.nearest[0])
+    first = ranked_frontiers(places, belief, view, reach, planner, config)[0]
+    return float(first.waypoint[0])
 
 
 def with_object(category: str, x: float) -> MapView:

@@ -13,11 +13,13 @@ from numpy.typing import NDArray
 from toponav.categories import readable
 from toponav.cli.console import Output
 from toponav.config import config_json
+from toponav.evaluation.explanation import ExplanationRecorder
 from toponav.evaluation.model_files import ModelFiles
 from toponav.evaluation.recollection import Recollection
 from toponav.evaluation.recorder import EpisodeRecorder
 from toponav.evaluation.results import EpisodeResult, to_json
 from toponav.evaluation.run_config import RunConfig
+from toponav.evaluation.run_folder import RESULT_FILE
 from toponav.evaluation.runner import SceneRunner, check_parts
 from toponav.files import write_atomic
 from toponav.mapping.view import MapView
@@ -116,7 +118,7 @@ def run_one(
         config: How.
         wish: What to find and from where, as far as the user said.
         folder: Gets config.json, result.json, trajectory.jsonl, decisions.jsonl, memory.json,
-            topdown.png and a panorama a decision.
+            explanation.json.gz, topdown.png and a panorama a decision.
         output: Where to tell about it.
         cache: Folder of a model's answers, which are not asked for again.
 
@@ -135,9 +137,10 @@ def run_one(
     narrator = Narrator(output, folder, spec.episode.target)
     output.say(f"searching for a {readable(spec.episode.target)} in {scene.name}")
     access = ModelFiles(folder, cache).access(spec.scene, spec.index)
-    watching = (recorder, narrator)
-    result = runner.run(spec, watching, watching, access, wish.known)
-    write_atomic(folder / "result.json", to_json(result) + "\n")
+    explainer = ExplanationRecorder(folder, spec.episode.target, access.log)
+    observers, listeners = (recorder, narrator), (recorder, narrator, explainer)
+    result = runner.run(spec, observers, listeners, access, wish.known)
+    write_atomic(folder / RESULT_FILE, to_json(result) + "\n")
     if narrator.map_view is not None:
         picture = TopDownPicture(
             map_view=narrator.map_view,

@@ -80,6 +80,10 @@ class RunOptions:
     """Write every step and decision into OUT/episodes (about 60 kB an episode), for replay and
     reports; the workers of a cluster must share that folder."""
 
+    explain: bool = True
+    """Beside what is recorded, write the map, the weights and small pictures of every decision, for
+    toponav report (about 50 kB an episode, three hundredths of its time)."""
+
     max_cost: float | None = None
     """Dollars that the reasoner's model may take: then no further episode is begun."""
 

@@ -47,6 +47,7 @@ def resolve_run(
         "workers": options.workers,
         "ray_address": options.ray_address,
         "record": options.record,
+        "explain": options.explain,
         "cache": agent.cache,
         "max_cost": options.max_cost,
     }
@@ -70,6 +71,7 @@ def resolve_replay(
         "workers": options.workers,
         "ray_address": options.ray_address,
         "record": options.record,
+        "explain": options.explain,
         "episodes": options.episodes or request.episodes,
         "cache": None,
         "max_cost": None,

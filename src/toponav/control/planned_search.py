@@ -18,9 +18,10 @@ from toponav.control.search_plan import (
     frontier_towards,
     is_on_stairs,
     landing,
-    next_frontier,
+    ranked_frontiers,
 )
 from toponav.mapping.view import MapView
+from toponav.policy.decision import WeighedFrontier
 from toponav.policy.glimpses import Glimpse
 from toponav.reasoning.base import Reasoner
 from toponav.types import Action, Observation
@@ -72,10 +73,16 @@ class PlannedSearch:
         self._full_turn = round(360.0 / locomotion.follower.turn_deg)
         self._reasoner = reasoner
         self._waypoint: NDArray[np.float64] | None = None
+        self._weighed: tuple[WeighedFrontier, ...] = ()
         self._drops = DropEdges()
         self._left_floor: int | None = None
         self._landing = False
         self._turns = 0
+
+    @property
+    def weighed(self) -> tuple[WeighedFrontier, ...]:
+        """What the present choice was made from, in the order of visits."""
+        return self._weighed
 
     @property
     def looking_down(self) -> bool:
@@ -130,8 +137,9 @@ class PlannedSearch:
         seen = {name: a for name, a in self._affinities().items() if name in view.objects}
         belief = Belief(seen, hints.guided, hints.glimpses, hints.elsewhere)
         choices = (frontiers, stairs)
-        chosen = next_frontier(choices, belief, view, reach, self._planner, self._config)
-        self._waypoint = chosen.nearest
+        self._weighed = ranked_frontiers(choices, belief, view, reach, self._planner, self._config)
+        self._waypoint = self._weighed[0].waypoint
+        chosen = next(c for c in (*frontiers, *stairs) if c.nearest is self._waypoint)
         self._drops.approach(edge=isinstance(chosen, DropEdge))
         if chosen in stairs:
             self._left_floor = view.floor
@@ -152,7 +160,7 @@ class PlannedSearch:
 
     def leave(self) -> None:
         """Something else than a frontier is gone to."""
-        self._waypoint = None
+        self._waypoint, self._weighed = None, ()
         self._landing = False
         self._drops.approach(edge=False)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
@@ -17,6 +17,7 @@ from toponav.control.frontier_clusters import FrontierCluster
 from toponav.control.planner import CostField, Planner
 from toponav.mapping.unknown_area import unknown_area_m2
 from toponav.mapping.view import MapView
+from toponav.policy.decision import WeighedFrontier
 from toponav.policy.glimpses import Glimpse
 
 Positive = Annotated[float, Field(gt=0.0)]
@@ -25,6 +26,9 @@ TREAD_M = 0.15
 
 LANDING_M = 0.5
 """The next floor is no nearer than two treads."""
+
+GLIMPSED = "the target"
+"""Speaks for a frontier that leads to where the target was seen."""
 
 UNREACHABLE_M = 1e4
 """Stands for a way that the map does not know yet."""
@@ -88,15 +92,15 @@ class Belief:
     elsewhere: bool = False
 
 
-def next_frontier(
+def ranked_frontiers(
     places: tuple[Sequence[FrontierCluster], Sequence[FrontierCluster]],
     belief: Belief,
     view: MapView,
     reach: CostField,
     planner: Planner,
     config: SearchPlanConfig,
-) -> FrontierCluster:
-    """The first of the frontiers, in the order that finds the target soonest.
+) -> tuple[WeighedFrontier, ...]:
+    """The frontiers in the order that finds the target soonest; those not ordered come last.
 
     Args:
         places: The frontiers of this floor, and what leads to others; one or more in all.
@@ -107,20 +111,23 @@ def next_frontier(
         config: Weights.
     """
     frontiers, stairs = places
-    clusters: tuple[FrontierCluster, ...] = (*frontiers, *stairs)
-    chance = np.array([_promise(frontier, belief, view, config) for frontier in frontiers])
+    weighed = [_weigh(frontier, belief, view, config) for frontier in frontiers]
     for glimpse in belief.glimpses if frontiers else ():
-        chance[_leading_to(glimpse.place[None], frontiers)] += config.glimpse * glimpse.score
-    upstairs = config.glimpse if belief.elsewhere else config.other_floor
-    chance = np.append(chance, np.full(len(stairs), upstairs))
-    cost = np.array([cluster.path_cost for cluster in clusters])
-    kept = np.argsort(-chance / (cost + 1.0), kind="stable")[: config.places]
-    stands = np.stack([clusters[k].nearest for k in kept])
+        k = _leading_to(glimpse.place[None], frontiers)
+        promise = weighed[k].promise + config.glimpse * glimpse.score
+        weighed[k] = replace(weighed[k], promise=promise, speaks=GLIMPSED)
+    weighed += [_off_this_floor(place, belief, config) for place in stairs]
+    chance = np.array([frontier.promise for frontier in weighed])
+    cost = np.array([frontier.path_cost for frontier in weighed])
+    by_promise = np.argsort(-chance / (cost + 1.0), kind="stable")
+    kept, rest = by_promise[: config.places], by_promise[config.places :]
+    stands = np.stack([weighed[k].waypoint for k in kept])
     between = np.stack([planner.cost_field(reach.clearance, p).at(stands) for p in stands[:, :2]])
     between = np.minimum(between, between.T)
     between[~np.isfinite(between)] = UNREACHABLE_M
-    soonest = soonest_order(cost[kept], between, chance[kept])[0]
-    return clusters[int(kept[soonest])]
+    order = soonest_order(cost[kept], between, chance[kept])
+    ranked = [replace(weighed[kept[place]], rank=rank) for rank, place in enumerate(order)]
+    return (*ranked, *(weighed[k] for k in rest))
 
 
 def landing(view: MapView, reach: CostField) -> NDArray[np.float64] | None:
@@ -163,21 +170,50 @@ def _leading_to(points: NDArray[np.floating], clusters: Sequence[FrontierCluster
     return min(range(len(clusters)), key=way)
 
 
-def _promise(
+def _weigh(
     cluster: FrontierCluster, belief: Belief, view: MapView, config: SearchPlanConfig
-) -> float:
-    """The chance of finding the target beyond a frontier, up to a common factor."""
+) -> WeighedFrontier:
+    """What a frontier of this floor promises, and why."""
     cells = np.clip(view.grid.index_of(cluster.cells), 0, np.array(view.grid.cells.shape) - 1)
     area = unknown_area_m2(view.grid, cells, config.unknown_reach_m)
     unseen = 1.0 - math.exp(-area / config.unknown_half_m2)
-    likelihood = config.base_likelihood
+    likelihood, speaks = config.base_likelihood, ""
     for category, affinity in belief.affinity.items():
         distance = _distance_to(category, cluster, view)
         if distance <= config.seen_radius_m:
             nearness = 1.0 / (1.0 + (distance / config.seen_half_m) ** 2)
-            likelihood = max(likelihood, affinity * nearness)
-    weight = config.guided_node if _holds_any(cluster, belief.guided) else 1.0
-    return weight * unseen * math.pow(likelihood, config.semantic_exponent)
+            if affinity * nearness > likelihood:
+                likelihood, speaks = affinity * nearness, category
+    guided = _holds_any(cluster, belief.guided)
+    weight = config.guided_node if guided else 1.0
+    return WeighedFrontier(
+        waypoint=cluster.nearest,
+        cells=cluster.size,
+        path_cost=cluster.path_cost,
+        unknown_m2=area,
+        likelihood=likelihood,
+        speaks=speaks,
+        guided=guided,
+        on_stairs=False,
+        promise=weight * unseen * math.pow(likelihood, config.semantic_exponent),
+    )
+
+
+def _off_this_floor(
+    place: FrontierCluster, belief: Belief, config: SearchPlanConfig
+) -> WeighedFrontier:
+    """What a way to another floor promises."""
+    return WeighedFrontier(
+        waypoint=place.nearest,
+        cells=place.size,
+        path_cost=place.path_cost,
+        unknown_m2=0.0,
+        likelihood=config.base_likelihood,
+        speaks=GLIMPSED if belief.elsewhere else "",
+        guided=False,
+        on_stairs=True,
+        promise=config.glimpse if belief.elsewhere else config.other_floor,
+    )
 
 
 def is_on_stairs(cluster: FrontierCluster, view: MapView) -> bool:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from toponav.config import config_sha
 from toponav.errors import TopoNavError
+from toponav.evaluation.explanation import ExplanationRecorder
 from toponav.evaluation.model_files import ModelFiles
 from toponav.evaluation.recorder import EpisodeRecorder, episode_folder
 from toponav.evaluation.results import EpisodeResult
@@ -14,6 +15,7 @@ from toponav.evaluation.run_config import RunConfig
 from toponav.evaluation.runner import SceneRunner
 from toponav.evaluation.sources import Source
 from toponav.evaluation.tasks import Task
+from toponav.policy.decision import DecisionListener
 from toponav.scenes.mesh import SceneEpisode
 
 NO_EPISODE = SceneEpisode("", (0.0, 0.0, 0.0), 0.0)
@@ -29,6 +31,7 @@ class EpisodeWorker:
         config: RunConfig,
         record_into: Path | None = None,
         models: ModelFiles | None = None,
+        explain: bool = False,
     ) -> None:
         """Load nothing yet.
 
@@ -37,11 +40,13 @@ class EpisodeWorker:
             config: How they are run.
             record_into: The run's folder, when every step and decision is to be recorded there.
             models: Where a model keeps its calls; by default nowhere.
+            explain: Record also what explains the decisions.
         """
         self._source = source
         self._config = config
         self._record_into = record_into
         self._models = models or ModelFiles()
+        self._explain = explain
         self._spec: str | None = None
         self._runner: SceneRunner | None = None
 
@@ -58,7 +63,11 @@ class EpisodeWorker:
                 return runner.run(episode, access=access)
             folder = episode_folder(self._record_into, task.scene, task.index)
             recorder = EpisodeRecorder(folder)
-            return runner.run(episode, (recorder,), (recorder,), access)
+            listeners: list[DecisionListener] = [recorder]
+            if self._explain:
+                target = episode.episode.target
+                listeners.append(ExplanationRecorder(folder, target, access.log))
+            return runner.run(episode, (recorder,), listeners, access)
         except TopoNavError as error:
             return runner.scored(episode, Rollout.impossible(str(error)))
 

@@ -81,7 +81,7 @@ def evaluate(
     if request.replay is not None:
         check_replay(request.replay)
     recorded = where if request.record else None
-    make_worker = partial(EpisodeWorker, source, config, recorded, models)
+    make_worker = partial(EpisodeWorker, source, config, recorded, models, request.explain)
     run = RunFolder(folder)
     with run.opened(request, config, resume):
         results = run_tasks(

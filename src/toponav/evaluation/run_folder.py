@@ -20,11 +20,24 @@ from toponav.evaluation.run_config import RunConfig
 from toponav.files import append_line, discard_temporaries, write_atomic
 
 CONFIG_FILE, RUN_FILE, SUMMARY_FILE = "config.json", "run.json", "summary.json"
+RESULT_FILE = "result.json"
+"""The one result of `toponav demo` and `toponav run`."""
+
 ERRORS_FILE = "errors.log"
 """Tracebacks of episodes that failed by a defect; absent without any."""
 
 FREE_TO_CHANGE = frozenset(
-    {"episodes", "data", "shard", "workers", "ray_address", "record", "cache", "max_cost"}
+    [
+        "episodes",
+        "data",
+        "shard",
+        "workers",
+        "ray_address",
+        "record",
+        "explain",
+        "cache",
+        "max_cost",
+    ]
 )
 """What of a request may differ when a run is resumed, since no result depends on it."""
 
@@ -55,6 +68,9 @@ class RunRequest(ConfigModel):
 
     record: bool = True
     """Write every step and decision into a folder an episode."""
+
+    explain: bool = True
+    """Write beside them the map, the weights and small pictures of every decision."""
 
     cache: Path | None = None
     """Folder of a model's answers, which are not asked for again."""

@@ -13,8 +13,38 @@ from toponav.mapping.view import MapView
 from toponav.memory.graph import TopologicalMemory
 from toponav.memory.snapshot import MemorySnapshot
 from toponav.policy.affordances import Affordances, Phase
+from toponav.policy.evidence import CandidateView
 from toponav.reasoning.base import PanoramaView
 from toponav.reasoning.schema import Guidance
+
+
+@dataclass(frozen=True, eq=False)
+class WeighedFrontier:
+    """A frontier as a search weighed it.
+
+    Attributes:
+        waypoint: (3,) its cell that is cheapest to walk to, world frame, metres.
+        cells: How many cells it has.
+        path_cost: Cost of walking to it: metres, weighted where it is narrow.
+        unknown_m2: Unknown floor just beyond it.
+        likelihood: Of the target about it, in [0, 1], by what has been seen there.
+        speaks: Category that gave the likelihood; "" where nothing telling is near.
+        guided: Whether it belongs to the place that the reasoner named.
+        on_stairs: Whether it leads off the floor.
+        promise: Chance of finding the target beyond it, up to a common factor.
+        rank: 0-based place in the order of visits; None beyond those that were ordered.
+    """
+
+    waypoint: NDArray[np.float64]
+    cells: int
+    path_cost: float
+    unknown_m2: float
+    likelihood: float
+    speaks: str
+    guided: bool
+    on_stairs: bool
+    promise: float
+    rank: int | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +62,8 @@ class Decision:
         guidance: The reasoner's answer.
         affordances: Every term on M_nav.
         panorama: The views, in order.
+        frontiers: What a planned search weighed, in the order of visits; empty where none was made.
+        candidates: What may be the target; empty where no evidence is kept.
     """
 
     index: int
@@ -44,6 +76,8 @@ class Decision:
     guidance: Guidance | None = None
     affordances: Affordances | None = None
     panorama: tuple[PanoramaView, ...] = ()
+    frontiers: tuple[WeighedFrontier, ...] = ()
+    candidates: tuple[CandidateView, ...] = ()
 
 
 class DecisionListener(Protocol):

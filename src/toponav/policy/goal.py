@@ -14,7 +14,13 @@ from scipy.spatial import cKDTree
 from toponav.config_model import ConfigModel
 from toponav.geometry import Pose
 from toponav.mapping.view import MapView, PointCloud
-from toponav.policy.evidence import Candidate, EvidenceConfig, TargetEvidence
+from toponav.policy.evidence import (
+    Candidate,
+    CandidateView,
+    EvidenceConfig,
+    TargetEvidence,
+    view_of,
+)
 from toponav.policy.glimpses import Glimpse, GlimpseConfig, Glimpses
 from toponav.policy.sight import Metres, SightConfig, TargetSight
 from toponav.types import Detections, Observation
@@ -121,6 +127,15 @@ class GoalTracker:
     def candidate(self) -> Candidate | None:
         """The candidate that is gone to; None without any, or without evidence."""
         return self._chosen
+
+    @property
+    def candidates(self) -> tuple[CandidateView, ...]:
+        """All candidates as they stand, the rejected ones too; none without evidence."""
+        config = self.config.evidence
+        if config is None or self._evidence is None:
+            return ()
+        found = self._evidence.candidates
+        return tuple(view_of(one, config, chosen=one is self._chosen) for one in found)
 
     def wants_another_look(self) -> bool:
         """Whether what is gone to is to be looked at from a further side before a verdict."""

@@ -11,8 +11,8 @@ from typing import Any
 
 from toponav.errors import InputError
 from toponav.evaluation.journal import EPISODES_FILE, read_results
-from toponav.evaluation.results import EpisodeResult
-from toponav.evaluation.run_folder import CONFIG_FILE, differences
+from toponav.evaluation.results import EpisodeResult, from_json
+from toponav.evaluation.run_folder import CONFIG_FILE, RESULT_FILE, differences
 
 SUBJECT = frozenset({"method", "preset", "navigator"})
 """What runs are compared for; the rest of a configuration is the protocol they should share."""
@@ -108,7 +108,7 @@ def run_folders(folders: Sequence[Path]) -> list[Path]:
 
 def _runs_in(folder: Path) -> list[Path]:
     """The folder itself if it is a run's, else those in it that are."""
-    if (folder / EPISODES_FILE).exists():
+    if (folder / EPISODES_FILE).exists() or (folder / RESULT_FILE).exists():
         return [folder]
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder; give the --out folder of a toponav eval")
@@ -122,10 +122,18 @@ def _runs_in(folder: Path) -> list[Path]:
 
 
 def _load(folder: Path, name: str) -> Run:
-    results = read_results(folder)
+    results = _results(folder)
     if not results:
         raise InputError(f"{folder / EPISODES_FILE}: no finished episode yet; nothing to show")
     return Run(name, folder, _config(folder), tuple(sorted(results, key=lambda r: r.key)))
+
+
+def _results(folder: Path) -> list[EpisodeResult]:
+    """Those of an evaluation, or the one of a single episode."""
+    single = folder / RESULT_FILE
+    if (folder / EPISODES_FILE).exists() or not single.exists():
+        return read_results(folder)
+    return [from_json(single.read_text(encoding="utf-8", errors="replace"), str(single))]
 
 
 def _config(folder: Path) -> dict[str, Any]:

@@ -1,0 +1,1 @@
+"""The explorer: runs as one self-contained page, from what they recorded."""
