@@ -119,7 +119,7 @@ STUDIES: dict[str, Study] = {
         (FULL, Variant("revisit", {"revisit": "true"})),
     ),
     "default-parts": Study(
-        "The preset default without each of its parts",
+        "The preset default without each of its parts (give --preset default)",
         (
             FULL,
             _set("without-evidence", goal__evidence="null"),
@@ -127,8 +127,8 @@ STUDIES: dict[str, Study] = {
             _set("without-stairwells", map__stairwells="false"),
             _set("without-sight", decide_on_sight="false"),
             _set("without-plan", search="null"),
-            _set("without-affinity", search__semantic_exponent="0"),
-            _set("without-node", search__guided_node="1"),
+            _set("without-affinity", search='{"semantic_exponent": 0}'),
+            _set("without-node", search='{"guided_node": 1}'),
         ),
     ),
     "merge-distance": Study(
