@@ -8,7 +8,7 @@ from typing import Annotated
 
 import tyro
 
-from toponav.cli.options import AgentOptions, JsonFlag
+from toponav.cli.options import AgentOptions, JsonFlag, ShowOptions
 
 
 @dataclass(frozen=True)
@@ -33,6 +33,9 @@ class Run:
     agent: Annotated[AgentOptions, tyro.conf.arg(name="")] = field(default_factory=AgentOptions)
     """The agent."""
 
+    show: Annotated[ShowOptions, tyro.conf.arg(name="")] = field(default_factory=ShowOptions)
+    """What to show of it."""
+
     json: JsonFlag = False
     """Print the result as one JSON object on stdout."""
 
@@ -40,6 +43,7 @@ class Run:
         """Load the scene and run the episode."""
         from toponav.cli.console import Output
         from toponav.cli.episode import (
+            EpisodeFiles,
             EpisodeWish,
             result_data,
             result_line,
@@ -51,11 +55,10 @@ class Run:
 
         config = resolve_config(self.agent)
         start = None if self.start is None else start_pose(self.start)
-        output = Output(self.json)
+        output = Output(self.json, quiet=self.show.quiet)
         scene = load_scene(self.house, self.labels)
         folder = fresh_folder(self.out)
-        result = run_one(
-            scene, config, EpisodeWish(self.target, start), folder, output, self.agent.cache
-        )
+        files = EpisodeFiles(folder, self.house, self.labels, self.agent.cache, self.show.live())
+        result = run_one(scene, config, EpisodeWish(self.target, start), files, output)
         output.say(f"pictures and records: {folder}")
         output.result(result_line(result), result_data(result, folder))
