@@ -155,8 +155,8 @@ def run_one(
             trajectory=np.array(narrator.positions),
             memory=narrator.memory,
             target=result.target,
-            title=_headline(result),
-            subtitle=_figures(result),
+            title=headline(result),
+            subtitle=figures(result),
         )
         save_topdown(picture, folder / "topdown.png")
     return result
@@ -164,15 +164,17 @@ def run_one(
 
 def result_line(result: EpisodeResult) -> str:
     """The episode in one plain line."""
-    return f"{_headline(result)}: {_figures(result)}"
+    return f"{headline(result)}: {figures(result)}"
 
 
-def _headline(result: EpisodeResult) -> str:
+def headline(result: EpisodeResult) -> str:
+    """Whether what was searched for was found."""
     found = "found" if result.succeeded else "did not find"
     return f"{found} {readable(result.target)} in {result.scene}"
 
 
-def _figures(result: EpisodeResult) -> str:
+def figures(result: EpisodeResult) -> str:
+    """Steps, lengths and how it ended."""
     distance = (
         "no path to it"
         if np.isinf(result.distance_to_goal)

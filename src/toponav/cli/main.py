@@ -18,6 +18,7 @@ from toponav.cli.episodes import Episodes
 from toponav.cli.eval import Eval
 from toponav.cli.map import Map
 from toponav.cli.reasoner import ReasonerCommand
+from toponav.cli.render import Render
 from toponav.cli.run import Run
 from toponav.cli.scenes import Scenes
 from toponav.cli.study import Study
@@ -30,6 +31,7 @@ Command = (
     | Annotated[Eval, tyro.conf.subcommand("eval")]
     | Annotated[Study, tyro.conf.subcommand("study")]
     | Annotated[Table, tyro.conf.subcommand("table")]
+    | Annotated[Render, tyro.conf.subcommand("render")]
     | Annotated[Episodes, tyro.conf.subcommand("episodes")]
     | Annotated[ReasonerCommand, tyro.conf.subcommand("reasoner")]
     | Annotated[Map, tyro.conf.subcommand("map")]
