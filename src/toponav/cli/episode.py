@@ -60,7 +60,7 @@ class EpisodeFiles:
     source: str
     labels: Path | None = None
     cache: Path | None = None
-    live: LiveOptions = LiveOptions()
+    live: LiveOptions = field(default_factory=LiveOptions)
 
 
 @dataclass

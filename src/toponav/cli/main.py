@@ -46,13 +46,7 @@ INTERRUPTED = 130
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns its exit code. Usage errors of the parser exit with 2."""
-    command = tyro.cli(
-        Command,
-        prog="toponav",
-        description="Find an object named by a category in a building never seen before.",
-        args=arguments,
-        config=(tyro.conf.OmitSubcommandPrefixes, tyro.conf.OmitArgPrefixes),
-    )
+    command = parse(arguments)
     try:
         command.run()
     except InputError as error:
@@ -65,6 +59,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return _report("interrupted; what was finished has been written", INTERRUPTED)
     return OK
+
+
+def parse(arguments: Sequence[str] | None = None) -> Command:
+    """The command that arguments ask for, not yet run; usage errors exit with 2."""
+    return tyro.cli(
+        Command,
+        prog="toponav",
+        description="Find an object named by a category in a building never seen before.",
+        args=arguments,
+        config=(tyro.conf.OmitSubcommandPrefixes, tyro.conf.OmitArgPrefixes),
+    )
 
 
 def _report(error: object, exit_code: int) -> int:

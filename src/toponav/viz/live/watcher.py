@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import ImageOps
 
 from toponav.mapping.view import FREE, MapView, PointCloud
 from toponav.memory.graph import TopologicalMemory
@@ -25,8 +26,13 @@ MOST_POINTS = 20_000
 IMAGE_WIDTH = 320
 """Images are logged at most this wide, in pixels: about 20 kB of RGB and 30 kB of depth a step."""
 
+PANORAMA_SIZE = (980, 700)
+"""All panoramas are logged at one size, pixels: the viewer plays compressed images as a video."""
+
 LIFT_M = 0.03
 """What lies on the floor is drawn this much above it, so that nothing flickers."""
+
+LIFT = np.array([0.0, 0.0, LIFT_M])
 
 
 class LiveWatcher:
@@ -60,7 +66,7 @@ class LiveWatcher:
         moved = not self._positions or not np.array_equal(position, self._positions[-1])
         if moved:
             self._positions.append(position)
-            path = np.array(self._positions) + (0.0, 0.0, LIFT_M)
+            path = np.array(self._positions) + LIFT
             log(f"{at.AGENT}/path", rr.LineStrips3D([path], colors=[[25, 113, 194]]))
         log(f"{at.AGENT}/body", rr.Points3D([position], radii=0.15, colors=[[25, 113, 194]]))
         self._log_camera(observation)
@@ -82,7 +88,8 @@ class LiveWatcher:
         self._log_memory(decision)
         if decision.panorama:
             sheet = draw_panorama(decision.panorama, decision.guidance, self._target)
-            log(at.PANORAMA, rr.Image(np.asarray(sheet)).compress(jpeg_quality=80))
+            page = ImageOps.pad(sheet, PANORAMA_SIZE, color="white")
+            log(at.PANORAMA, rr.Image(np.asarray(page)).compress(jpeg_quality=80))
         text = entities.answer_text(decision, self._target)
         log(at.ANSWER, rr.TextDocument(text, media_type="text/plain"))
         log(at.LOG, rr.TextLog(" | ".join(text.splitlines())))
@@ -128,7 +135,7 @@ class LiveWatcher:
         cells, colors = entities.grid_cells(view.grid, view.floor_z)
         half = view.grid.resolution / 2.0
         log(f"{at.MAP}/occupancy", rr.Points3D(cells, colors=colors, radii=half))
-        lifted = view.frontiers + (0.0, 0.0, LIFT_M)
+        lifted = view.frontiers + LIFT
         log(f"{at.MAP}/frontiers", rr.Points3D(lifted, colors=[[240, 140, 0]], radii=half))
         free_m2 = np.count_nonzero(view.grid.cells == FREE) * view.grid.resolution**2
         log(f"{at.METRICS}/free_m2", rr.Scalars(free_m2))
