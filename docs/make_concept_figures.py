@@ -44,7 +44,10 @@ def _draw_layers(decision: Decision) -> None:
     panels = (
         ("M_scene", [(view.scene.points, view.scene.colors / 255.0)]),
         ("M_obj, by category", [(c.points, f"C{k % 10}") for k, c in enumerate(objects.values())]),
-        ("M_nav and M_obs", [(view.navigable.points, "#8fbc8f"), (view.obstacles.points, "#4a5560")]),
+        (
+            "M_nav and M_obs",
+            [(view.navigable.points, "#8fbc8f"), (view.obstacles.points, "#4a5560")],
+        ),
     )  # fmt: skip
     figure, axes = _page(4)
     for axis, (title, clouds) in zip(axes, panels, strict=False):

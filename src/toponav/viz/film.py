@@ -17,7 +17,7 @@ from toponav.files import temporary_beside
 from toponav.mapping.semantic_map import MapConfig, SemanticMap
 from toponav.mapping.view import FREE, OCCUPIED, UNKNOWN, MapView
 from toponav.memory.graph import TopologicalMemory
-from toponav.memory.snapshot import MemorySnapshot
+from toponav.memory.snapshot import UNKNOWN_ROOM, MemorySnapshot
 from toponav.policy.decision import Decision
 from toponav.types import Action, Detections, Observation
 from toponav.viz.labels import on_this_floor
@@ -298,6 +298,8 @@ def _thought(camera: FilmCamera, moment: Moment) -> str:
         return ""
     guidance = camera.decisions[moment.decision].guidance
     assert guidance is not None
+    if guidance.room_type == UNKNOWN_ROOM:
+        return guidance.reason
     return f"in the {readable(guidance.room_type)}: {guidance.reason}"
 
 
