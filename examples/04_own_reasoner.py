@@ -29,7 +29,7 @@ def most_floor(context: ReasonerContext) -> MostFloor:
     return MostFloor(context.config.prior)
 
 
-env = HouseEnvConfig(width=160, height=120, max_steps=80)
+env = HouseEnvConfig(width=160, height=120, max_steps=200)
 for name in ("most-floor", "prior"):
     config = run_config("paper", env=env).model_copy(update={"reasoner": name})
     runner = SceneRunner(load_scene("generated:6"), config)
