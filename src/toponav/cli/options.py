@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 JsonFlag = Annotated[bool, tyro.conf.arg(name="json"), tyro.conf.FlagCreatePairsOff]
 
+QuietFlag = Annotated[bool, tyro.conf.FlagCreatePairsOff]
+
 
 def answer_cache() -> Path:
     """Where a user's programs keep what can be had again."""
@@ -73,7 +75,7 @@ class ShowOptions:
     record: Path | None = None
     """Write what the viewer would show into FILE.rrd (extra `viz`)."""
 
-    quiet: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    quiet: QuietFlag = False
     """Say nothing but the result, and errors."""
 
     def live(self) -> LiveOptions:

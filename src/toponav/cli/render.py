@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
@@ -68,9 +68,9 @@ class Render:
         episode = open_episode(self.episode)
         output.say(f"running {episode.result.scene} #{episode.result.index} again")
         path.parent.mkdir(parents=True, exist_ok=True)
-        data = {"file": str(path), "what": self.what}
+        data: dict[str, Any] = {"file": str(path), "what": self.what}
         if self.what == "video":
-            data["frames"] = str(self._film(episode, path))
+            data["frames"] = self._film(episode, path)
         else:
             self._still(episode, path)
         output.result(f"wrote {path}", data)
