@@ -42,9 +42,17 @@ def blocks() -> list[Block]:
     return found
 
 
+def commands_in_tables() -> list[tuple[str, ...]]:
+    """Those of the README's table of what one can do."""
+    rows = [line for line in pages()[0].read_text(encoding="utf-8").splitlines() if line[:1] == "|"]
+    quoted = [code for row in rows for code in re.findall(r"`(toponav [^`]+)`", row)]
+    return [command for code in quoted for command in commands_of(code)]
+
+
 def commands_of(body: str) -> list[tuple[str, ...]]:
+    """The arguments of each `toponav` of a shell text; a shell's variable stands as 0."""
     commands = []
-    for line in body.replace("\\\n", " ").splitlines():
+    for line in re.sub(r"\$\w+", "0", body.replace("\\\n", " ")).splitlines():
         lexer = shlex.shlex(line.removeprefix("$ "), posix=True, punctuation_chars=";&|")
         lexer.whitespace_split = True
         lexer.commenters = "#"

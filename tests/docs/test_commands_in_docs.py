@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from docs_commands import NEEDS, Block, blocks, commands_of
+from docs_commands import NEEDS, Block, blocks, commands_in_tables, commands_of
 from toponav.cli.main import main, parse
 
 BLOCKS = blocks()
@@ -27,6 +27,13 @@ def test_pages_have_commands_that_are_run() -> None:
 def test_the_command_line_knows_every_command(block: Block) -> None:
     assert block.needs is None or block.needs in NEEDS
     for command in block.commands:
+        parse(command)
+
+
+def test_the_command_line_knows_the_commands_of_the_readme() -> None:
+    commands = commands_in_tables()
+    assert len(commands) > 10
+    for command in commands:
         parse(command)
 
 
