@@ -3,10 +3,10 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 # Extras beside dev; tests of the others skip.
-EXTRAS ?= dev,ray,onnx
+EXTRAS ?= dev,ray,onnx,viz
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check docs bench clean
+.PHONY: help demo test check docs figures bench clean
 
 help: ## List the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/'
@@ -15,6 +15,10 @@ help: ## List the targets
 $(VENV)/.installed: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[$(EXTRAS)]'
+	@touch $@
+
+$(VENV)/.docs: $(VENV)/.installed
+	$(BIN)/pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[docs]'
 	@touch $@
 
 demo: $(VENV)/.installed ## Find an object in a generated house; pictures in runs/demo
@@ -28,9 +32,13 @@ check: $(VENV)/.installed ## Lint, formatting and types
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-docs: $(VENV)/.installed ## Draw the pictures of the documentation anew
+docs: $(VENV)/.docs ## Build the documentation into build/site; a dead link is an error
+	$(BIN)/mkdocs build --strict --quiet
+
+figures: $(VENV)/.installed ## Draw the pictures of the documentation anew
 	$(BIN)/python docs/make_furniture_sheet.py
 	$(BIN)/python docs/make_demo_picture.py
+	$(BIN)/python docs/make_concept_figures.py
 
 bench: $(VENV)/.installed ## Print the performance figures
 	$(BIN)/toponav bench sim

@@ -14,10 +14,15 @@ from toponav.evaluation.results import json_ready
 class Output:
     """Progress on stderr and one result on stdout: a plain line, or one JSON object."""
 
-    def __init__(self, as_json: bool) -> None:
-        """Choose between people and programs; `as_json` prints the result as one JSON object."""
+    def __init__(self, as_json: bool, *, quiet: bool = False) -> None:
+        """Choose between people and programs.
+
+        Args:
+            as_json: Print the result as one JSON object.
+            quiet: Say nothing but the result.
+        """
         self.as_json = as_json
-        self.progress = Console(stderr=True, highlight=False, soft_wrap=True)
+        self.progress = Console(stderr=True, highlight=False, soft_wrap=True, quiet=quiet)
 
     def say(self, line: str) -> None:
         """One line of progress; nothing in it is interpreted as markup."""

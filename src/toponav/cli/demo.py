@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Annotated
 
-from toponav.cli.options import JsonFlag
+import tyro
+
+from toponav.cli.options import JsonFlag, ShowOptions
 
 
 @dataclass(frozen=True)
@@ -24,6 +27,9 @@ class Demo:
     out: Path = Path("runs/demo")
     """Folder for the results."""
 
+    show: Annotated[ShowOptions, tyro.conf.arg(name="")] = field(default_factory=ShowOptions)
+    """What to show of it."""
+
     json: JsonFlag = False
     """Print the result as one JSON object on stdout."""
 
@@ -31,6 +37,7 @@ class Demo:
         """Generate the house and run its first episode."""
         from toponav.cli.console import Output
         from toponav.cli.episode import (
+            EpisodeFiles,
             EpisodeWish,
             result_data,
             result_line,
@@ -40,10 +47,12 @@ class Demo:
         from toponav.cli.resolve import resolve_config
         from toponav.scenes.loading import load_scene
 
-        output = Output(self.json)
+        output = Output(self.json, quiet=self.show.quiet)
         folder = fresh_folder(self.out)
-        scene = load_scene(f"generated:{self.seed}")
+        source = f"generated:{self.seed}"
+        scene = load_scene(source)
         config = resolve_config(AgentOptions(seed=self.seed))
-        result = run_one(scene, config, EpisodeWish(self.target), folder, output).result
+        files = EpisodeFiles(folder, source, live=self.show.live())
+        result = run_one(scene, config, EpisodeWish(self.target), files, output).result
         output.say(f"pictures and records: {folder}")
         output.result(result_line(result), result_data(result, folder))

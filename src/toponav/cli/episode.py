@@ -19,7 +19,7 @@ from toponav.evaluation.recollection import Recollection
 from toponav.evaluation.recorder import EpisodeRecorder
 from toponav.evaluation.results import EpisodeResult, to_json
 from toponav.evaluation.run_config import RunConfig
-from toponav.evaluation.run_folder import RESULT_FILE
+from toponav.evaluation.run_folder import CONFIG_FILE, RESULT_FILE, RUN_FILE, RunRequest
 from toponav.evaluation.runner import SceneRunner, check_parts
 from toponav.files import write_atomic
 from toponav.mapping.view import MapView
@@ -27,6 +27,7 @@ from toponav.memory.graph import TopologicalMemory
 from toponav.policy.decision import Decision
 from toponav.scenes.mesh import Scene
 from toponav.types import Action, Observation
+from toponav.viz.live.stream import LiveOptions, check, watching
 from toponav.viz.panorama import save_panorama
 from toponav.viz.topdown import TopDownPicture, save_topdown
 
@@ -57,6 +58,26 @@ class FinishedEpisode:
 
     result: EpisodeResult
     pose: tuple[float, float, float, float]
+
+
+@dataclass(frozen=True)
+class EpisodeFiles:
+    """Where an episode is written.
+
+    Attributes:
+        folder: Gets config.json, run.json, result.json, trajectory.jsonl, decisions.jsonl,
+            memory.json, topdown.png and a panorama a decision.
+        source: What the scene was loaded from, so that the episode can be shown again.
+        labels: Label table of a mesh scene.
+        cache: Folder of a model's answers, which are not asked for again.
+        live: What is shown and recorded while it runs.
+    """
+
+    folder: Path
+    source: str
+    labels: Path | None = None
+    cache: Path | None = None
+    live: LiveOptions = field(default_factory=LiveOptions)
 
 
 @dataclass
@@ -107,39 +128,45 @@ def run_one(
     scene: Scene,
     config: RunConfig,
     wish: EpisodeWish,
-    folder: Path,
+    files: EpisodeFiles,
     output: Output,
-    cache: Path | None = None,
 ) -> FinishedEpisode:
-    """Run one episode and write everything about it into `folder`.
+    """Run one episode and write everything about it.
 
     Args:
         scene: Where.
         config: How.
         wish: What to find and from where, as far as the user said.
-        folder: Gets config.json, result.json, trajectory.jsonl, decisions.jsonl, memory.json,
-            explanation.json.gz, topdown.png and a panorama a decision.
+        files: Where it is written.
         output: Where to tell about it.
-        cache: Folder of a model's answers, which are not asked for again.
 
     Raises:
         EpisodeError: The target or the start does not fit the scene.
-        InputError: The method keeps nothing of what it has learnt.
+        InputError: The method keeps nothing of what it has learnt, or what was asked to be shown
+            live cannot be.
     """
+    folder = files.folder
     check_parts(config)
+    check(files.live)
     runner = SceneRunner(scene, config)
     spec = runner.spec(0, runner.env.episode(wish.target, wish.start, config.seed))
     runner.check(spec)
     for stale in folder.glob("panorama_*.jpg"):
         stale.unlink()
-    write_atomic(folder / "config.json", config_json(config))
+    write_atomic(folder / CONFIG_FILE, config_json(config))
+    request = RunRequest(source=files.source, labels=files.labels, episodes=1)
+    write_atomic(folder / RUN_FILE, config_json(request))
     recorder = EpisodeRecorder(folder)
     narrator = Narrator(output, folder, spec.episode.target)
     output.say(f"searching for a {readable(spec.episode.target)} in {scene.name}")
-    access = ModelFiles(folder, cache).access(spec.scene, spec.index)
+    access = ModelFiles(folder, files.cache).access(spec.scene, spec.index)
     explainer = ExplanationRecorder(folder, spec.episode.target, access.log)
-    observers, listeners = (recorder, narrator), (recorder, narrator, explainer)
-    result = runner.run(spec, observers, listeners, access, wish.known)
+    name = f"{readable(spec.episode.target)} in {scene.name}"
+    with watching(files.live, spec.episode.target, name) as live:
+        watchers = (recorder, narrator) if live is None else (recorder, narrator, live)
+        result = runner.run(spec, watchers, (*watchers, explainer), access, wish.known)
+    if files.live.record is not None:
+        output.say(f"recording: {files.live.record} (open it with: rerun {files.live.record})")
     write_atomic(folder / RESULT_FILE, to_json(result) + "\n")
     if narrator.map_view is not None:
         picture = TopDownPicture(
@@ -147,8 +174,8 @@ def run_one(
             trajectory=np.array(narrator.positions),
             memory=narrator.memory,
             target=result.target,
-            title=_headline(result),
-            subtitle=_figures(result),
+            title=headline(result),
+            subtitle=figures(result),
         )
         save_topdown(picture, folder / "topdown.png")
     x, y, z = runner.env.position.tolist()
@@ -157,15 +184,17 @@ def run_one(
 
 def result_line(result: EpisodeResult) -> str:
     """The episode in one plain line."""
-    return f"{_headline(result)}: {_figures(result)}"
+    return f"{headline(result)}: {figures(result)}"
 
 
-def _headline(result: EpisodeResult) -> str:
+def headline(result: EpisodeResult) -> str:
+    """Whether what was searched for was found."""
     found = "found" if result.succeeded else "did not find"
     return f"{found} {readable(result.target)} in {result.scene}"
 
 
-def _figures(result: EpisodeResult) -> str:
+def figures(result: EpisodeResult) -> str:
+    """Steps, lengths and how it ended."""
     distance = (
         "no path to it"
         if np.isinf(result.distance_to_goal)

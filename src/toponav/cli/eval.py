@@ -8,7 +8,7 @@ from typing import Annotated
 
 import tyro
 
-from toponav.cli.options import AgentOptions, JsonFlag, RunOptions
+from toponav.cli.options import AgentOptions, JsonFlag, QuietFlag, RunOptions
 
 
 @dataclass(frozen=True)
@@ -37,6 +37,9 @@ class Eval:
     agent: Annotated[AgentOptions, tyro.conf.arg(name="")] = field(default_factory=AgentOptions)
     """The agent."""
 
+    quiet: QuietFlag = False
+    """Say nothing but the result, and errors."""
+
     json: JsonFlag = False
     """Print the summary as one JSON object on stdout."""
 
@@ -51,7 +54,7 @@ class Eval:
             request, config = resolve_run(self.source, self.runs, self.agent, self.shard)
         else:
             request, config = resolve_replay(self.replay, self.source, self.runs, self.agent)
-        output = Output(self.json)
+        output = Output(self.json, quiet=self.quiet)
         with RunDisplay(output) as display:
             summary = evaluate(request, config, self.out, self.resume, display.on_progress)
         output.result(summary_line(summary), summary)

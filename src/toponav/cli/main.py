@@ -18,6 +18,7 @@ from toponav.cli.episodes import Episodes
 from toponav.cli.eval import Eval
 from toponav.cli.map import Map
 from toponav.cli.reasoner import ReasonerCommand
+from toponav.cli.render import Render
 from toponav.cli.report import Report
 from toponav.cli.run import Run
 from toponav.cli.scenes import Scenes
@@ -32,6 +33,7 @@ Command = (
     | Annotated[Study, tyro.conf.subcommand("study")]
     | Annotated[Table, tyro.conf.subcommand("table")]
     | Annotated[Report, tyro.conf.subcommand("report")]
+    | Annotated[Render, tyro.conf.subcommand("render")]
     | Annotated[Episodes, tyro.conf.subcommand("episodes")]
     | Annotated[ReasonerCommand, tyro.conf.subcommand("reasoner")]
     | Annotated[Map, tyro.conf.subcommand("map")]
@@ -46,13 +48,7 @@ INTERRUPTED = 130
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns its exit code. Usage errors of the parser exit with 2."""
-    command = tyro.cli(
-        Command,
-        prog="toponav",
-        description="Find an object named by a category in a building never seen before.",
-        args=arguments,
-        config=(tyro.conf.OmitSubcommandPrefixes, tyro.conf.OmitArgPrefixes),
-    )
+    command = parse(arguments)
     try:
         command.run()
     except InputError as error:
@@ -65,6 +61,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return _report("interrupted; what was finished has been written", INTERRUPTED)
     return OK
+
+
+def parse(arguments: Sequence[str] | None = None) -> Command:
+    """The command that arguments ask for, not yet run; usage errors exit with 2."""
+    return tyro.cli(
+        Command,
+        prog="toponav",
+        description="Find an object named by a category in a building never seen before.",
+        args=arguments,
+        config=(tyro.conf.OmitSubcommandPrefixes, tyro.conf.OmitArgPrefixes),
+    )
 
 
 def _report(error: object, exit_code: int) -> int:

@@ -5,13 +5,18 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
 from toponav.errors import InputError
 
+if TYPE_CHECKING:
+    from toponav.viz.live.stream import LiveOptions
+
 JsonFlag = Annotated[bool, tyro.conf.arg(name="json"), tyro.conf.FlagCreatePairsOff]
+
+QuietFlag = Annotated[bool, tyro.conf.FlagCreatePairsOff]
 
 
 def answer_cache() -> Path:
@@ -58,6 +63,26 @@ class AgentOptions:
 
     set: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = field(default=())
     """Override any value of config.json, as --set navigator.memory.d_merge=2; repeatable."""
+
+
+@dataclass(frozen=True)
+class ShowOptions:
+    """What to show of an episode while it runs."""
+
+    view: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Watch live in Rerun's viewer (extra `viz`)."""
+
+    record: Path | None = None
+    """Write what the viewer would show into FILE.rrd (extra `viz`)."""
+
+    quiet: QuietFlag = False
+    """Say nothing but the result, and errors."""
+
+    def live(self) -> LiveOptions:
+        """What the live view needs to know."""
+        from toponav.viz.live.stream import LiveOptions
+
+        return LiveOptions(self.view, self.record)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import tyro
 
-from toponav.cli.options import AgentOptions, JsonFlag
+from toponav.cli.options import AgentOptions, JsonFlag, ShowOptions
 from toponav.errors import InputError
 
 
@@ -40,13 +40,22 @@ class Run:
     agent: Annotated[AgentOptions, tyro.conf.arg(name="")] = field(default_factory=AgentOptions)
     """The agent."""
 
+    show: Annotated[ShowOptions, tyro.conf.arg(name="")] = field(default_factory=ShowOptions)
+    """What to show of it."""
+
     json: JsonFlag = False
     """Print the result as one JSON object on stdout."""
 
     def run(self) -> None:
         """Load the scene and run an episode a goal."""
         from toponav.cli.console import Output
-        from toponav.cli.episode import EpisodeWish, result_data, result_line, run_one
+        from toponav.cli.episode import (
+            EpisodeFiles,
+            EpisodeWish,
+            result_data,
+            result_line,
+            run_one,
+        )
         from toponav.cli.options import fresh_folder, start_pose
         from toponav.cli.resolve import resolve_config
         from toponav.evaluation.recollection import Recollection
@@ -56,7 +65,7 @@ class Run:
         config = resolve_config(self.agent)
         start = None if self.start is None else start_pose(self.start)
         goals = _goals(self.target)
-        output = Output(self.json)
+        output = Output(self.json, quiet=self.show.quiet)
         keeps = self.memory is not None or len(goals) > 1
         known = Recollection() if keeps else None
         if known is not None and self.memory is not None and self.memory.exists():
@@ -66,8 +75,8 @@ class Run:
         lines, records = [], []
         for number, goal in enumerate(goals, start=1):
             own = folder if len(goals) == 1 else folder / f"{number}_{goal}"
-            wish = EpisodeWish(goal, start, known)
-            done = run_one(scene, config, wish, own, output, self.agent.cache)
+            files = EpisodeFiles(own, self.house, self.labels, self.agent.cache, self.show.live())
+            done = run_one(scene, config, EpisodeWish(goal, start, known), files, output)
             start = done.pose
             lines.append(result_line(done.result))
             records.append(result_data(done.result, own))

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import tyro
 
-from toponav.cli.options import AgentOptions, JsonFlag, RunOptions
+from toponav.cli.options import AgentOptions, JsonFlag, QuietFlag, RunOptions
 
 
 def _paper() -> AgentOptions:
@@ -39,6 +39,9 @@ class Study:
     plot: Path | None = None
     """Draw the success rates of the study's groups into this .png, .svg or .pdf."""
 
+    quiet: QuietFlag = False
+    """Say nothing but the result, and errors."""
+
     json: JsonFlag = False
     """Print all figures as one JSON object on stdout."""
 
@@ -52,7 +55,7 @@ class Study:
 
         chosen = study(self.name)
         request, config = resolve_run(self.source, self.runs, self.agent)
-        output = Output(self.json)
+        output = Output(self.json, quiet=self.quiet)
         output.say(chosen.title)
         folders = run_study(
             chosen, request, config, self.out, lambda variant: RunDisplay(output, variant.name)

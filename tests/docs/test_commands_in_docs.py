@@ -1,0 +1,63 @@
+"""Every command that a page shows is one that works."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+
+import pytest
+
+from docs_commands import NEEDS, Block, blocks, commands_in_tables, commands_of
+from toponav.cli.main import main, parse
+
+BLOCKS = blocks()
+RUN = [block for block in BLOCKS if block.needs is None]
+
+
+def test_commands_are_found_whole() -> None:
+    body = "toponav demo  # one\ncd x && toponav run a \\\n  --seed 1; toponav table b\nmake test\n"
+    assert commands_of(body) == [("demo",), ("run", "a", "--seed", "1"), ("table", "b")]
+
+
+def test_pages_have_commands_that_are_run() -> None:
+    assert {"docs/index.md", "docs/watching.md"} <= {block.page for block in RUN}
+
+
+@pytest.mark.parametrize("block", BLOCKS, ids=lambda block: block.page)
+def test_the_command_line_knows_every_command(block: Block) -> None:
+    assert block.needs is None or block.needs in NEEDS
+    for command in block.commands:
+        parse(command)
+
+
+def test_the_command_line_knows_the_commands_of_the_readme() -> None:
+    commands = commands_in_tables()
+    assert len(commands) > 10
+    for command in commands:
+        parse(command)
+
+
+def test_a_command_that_is_not_known_fails() -> None:
+    with pytest.raises(SystemExit):
+        parse(("demo", "--no-such-option"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("block", RUN, ids=lambda block: block.page)
+def test_the_commands_run(block: Block, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for module, options in (("rerun", ("--record",)), ("imageio_ffmpeg", (".mp4",))):
+        wanted = any(word.endswith(options) for words in block.commands for word in words)
+        if wanted and importlib.util.find_spec(module) is None:
+            pytest.skip(f"needs the extra viz ({module})")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    if block.commands[0][0] == "render":
+        assert main(["demo", "--seed", "6", "--quiet"]) == 0
+    for command in block.commands:
+        words = [name for word in command for name in expanded(word)]
+        assert main(words) == 0, words
+
+
+def expanded(word: str) -> list[str]:
+    """What a shell makes of a word."""
+    return sorted(map(str, Path().glob(word))) if "*" in word else [word]
