@@ -68,6 +68,10 @@ class SceneOracle:
             self._viewpoints[name] = found
         return self._viewpoints[name]
 
+    def instance_viewpoints(self, instance: int) -> NDArray[np.float64]:
+        """(N, 3) viewpoints of one instance, found from the scene's geometry."""
+        return viewpoints(self._surface, self._caster, self._scene.mesh, [instance])
+
     def distance_to_goal(self) -> float:
         """DTG: geodesic distance from the agent to the nearest viewpoint, metres; may be inf."""
         target = self._episode.target
