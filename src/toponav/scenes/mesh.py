@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,6 +71,7 @@ class Scene:
         room_types: Room labels by polygon, for statistics and tests only: (type, level, (n, 2)).
         viewpoints: (N, 3) goal viewpoints by canonical category, where a dataset brings them; of
             other categories the simulator finds them.
+        stage: The file of a scene that Habitat can load itself; None for another one.
     """
 
     name: str
@@ -78,3 +80,4 @@ class Scene:
     episodes: tuple[SceneEpisode, ...] = ()
     room_types: tuple[tuple[str, int, NDArray[np.float64]], ...] = ()
     viewpoints: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
+    stage: Path | None = None

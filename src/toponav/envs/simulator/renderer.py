@@ -40,6 +40,14 @@ class RenderedFrame:
     instance_ids: NDArray[np.int32]
 
 
+class CameraRenderer(Protocol):
+    """Renders one scene from any pose."""
+
+    def render(self, world_from_camera: Pose, intrinsics: Intrinsics) -> RenderedFrame:
+        """The scene as a camera sees it; the optical axis is the camera's +z."""
+        ...
+
+
 class Renderer:
     """Renders one scene: which triangle a pixel sees first, its colour and depth then."""
 

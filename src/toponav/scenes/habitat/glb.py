@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import json
-import struct
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-_MAGIC, _VERSION = b"glTF", 2
-_JSON_CHUNK, _BIN_CHUNK = 0x4E4F534A, 0x004E4942
+from toponav.scenes.glb_container import glb_bytes
+
 _FLOAT, _UNSIGNED_BYTE, _UNSIGNED_INT = 5126, 5121, 5125
 _ARRAY_BUFFER, _ELEMENT_ARRAY_BUFFER = 34962, 34963
 
@@ -55,18 +53,8 @@ def colored_triangles_glb(corners: NDArray[np.float64], colors: NDArray[np.uint8
         ],
         "buffers": [{"byteLength": starts[-1]}],
     }
-    return _container(description, b"".join(blocks))
+    return glb_bytes(description, b"".join(blocks))
 
 
 def _accessor(view: int, component: int, count: int, kind: str) -> dict[str, Any]:
     return {"bufferView": view, "componentType": component, "count": count, "type": kind}
-
-
-def _container(description: dict[str, Any], data: bytes) -> bytes:
-    """The two chunks of a .glb, each padded to four bytes."""
-    text = json.dumps(description).encode()
-    text += b" " * (-len(text) % 4)
-    data += b"\0" * (-len(data) % 4)
-    chunks = struct.pack("<II", len(text), _JSON_CHUNK) + text
-    chunks += struct.pack("<II", len(data), _BIN_CHUNK) + data
-    return struct.pack("<4sII", _MAGIC, _VERSION, 12 + len(chunks)) + chunks
