@@ -3,7 +3,7 @@
 Laid out below Habitat's data folder as HM3D and its episodes are:
 
     DATA/scene_datasets/<name>/<name>.scene_dataset_config.json
-    DATA/scene_datasets/<name>/<scene>/<scene>.glb  .semantic.glb  .semantic.txt
+    DATA/scene_datasets/<name>/<scene>/<scene>.glb  .semantic.glb  .semantic.txt  .navmesh
     DATA/datasets/objectnav/<name>/v1/<split>/<split>.json.gz
     DATA/datasets/objectnav/<name>/v1/<split>/content/<scene>.json.gz
 """
@@ -23,7 +23,12 @@ from toponav.categories import HM3D_TARGETS, canonical
 from toponav.datasets.objectnav import CONTENT
 from toponav.datasets.objectnav_file import ObjectNavFile, write_file
 from toponav.datasets.scene_files import SCENES_FOLDER
+from toponav.envs.habitat.navmesh_file import navmesh_bytes
 from toponav.envs.simulator import HouseEnv
+from toponav.envs.simulator.agent_body import AgentBody
+from toponav.envs.simulator.convex_mesh import convex_mesh
+from toponav.envs.simulator.navigation import NavigableSurface
+from toponav.envs.simulator.span_graph import subset
 from toponav.errors import EpisodeError, InputError
 from toponav.evaluation.run_config import run_config
 from toponav.evaluation.runner import SceneRunner
@@ -105,9 +110,12 @@ def export_dataset(scenes: Iterable[Scene], plan: DatasetPlan) -> list[Path]:
     for scene in scenes:
         if scene.name in contents:
             raise InputError(f"two scenes are called {scene.name!r}: give each its own name")
-        written.append(write_habitat_scene(scene, plan.scenes / scene.name, scene.name))
-        stages.append(PurePosixPath(scene.name, f"{scene.name}.glb"))
-        contents[scene.name] = _scene_content(scene, plan)
+        runner = SceneRunner(scene, run_config("default", seed=plan.seed))
+        contents[scene.name] = _scene_content(runner, plan)
+        stage = write_habitat_scene(scene, plan.scenes / scene.name, scene.name)
+        write_atomic(stage.with_suffix(".navmesh"), _navmesh(scene, runner.env.config.body))
+        stages.append(PurePosixPath(scene.name, stage.name))
+        written.append(stage)
     if not contents:
         raise InputError("there is no scene to export")
     ids = _task_ids(contents)
@@ -133,9 +141,16 @@ def _task_ids(contents: dict[str, dict[str, Any]]) -> dict[str, int]:
     return {name: number for number, name in enumerate(names)}
 
 
-def _scene_content(scene: Scene, plan: DatasetPlan) -> dict[str, Any]:
+def _navmesh(scene: Scene, body: AgentBody) -> bytes:
+    """The main island of the navigable surface: no roofs, no table tops."""
+    surface = NavigableSurface.build(scene.mesh, body, scene.floors)
+    floor = subset(surface.graph, surface.graph.island == surface.main_island)
+    return navmesh_bytes(convex_mesh(floor), body)
+
+
+def _scene_content(runner: SceneRunner, plan: DatasetPlan) -> dict[str, Any]:
     """`episodes` and `goals_by_category` of one scene."""
-    runner = SceneRunner(scene, run_config("default", seed=plan.seed))
+    scene = runner.scene
     count = len(scene.episodes) or 1 if plan.episodes is None else plan.episodes
     drawn = [runner.episode(index).episode for index in range(count)]
     goals = {

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from toponav.config import config_sha
-from toponav.envs.simulator import HouseEnv
+from toponav.envs.backends import HABITAT, backends
+from toponav.envs.habitat.simulator import import_habitat_sim
 from toponav.evaluation.results import EpisodeResult
 from toponav.evaluation.rollout import (
     EpisodeSpec,
@@ -44,6 +45,9 @@ def check_parts(config: RunConfig, *, replayed: bool = False) -> None:
     methods.get(config.method)
     detectors.get(config.detector)
     reasoners.get(config.reasoner)
+    backends.get(config.backend)
+    if config.backend == HABITAT:
+        import_habitat_sim()
     if config.reasoner == OPENAI and not replayed:
         key_of(config.reasoning.openai)
 
@@ -62,8 +66,12 @@ class SceneRunner:
         self._reasoner = reasoners.get(config.reasoner)
         self.scene = scene
         self.config = config
-        self.env = HouseEnv(scene, config.env)
+        self.env = backends.get(config.backend)(scene, config.env)
         self._identity = RunIdentity(config.method, config_sha(config), self.env.surface.area)
+
+    def close(self) -> None:
+        """Let the scene go."""
+        self.env.close()
 
     def episode(self, index: int) -> EpisodeSpec:
         """Episode `index` of the scene: one that it brings or, beyond those, one that is drawn.

@@ -38,6 +38,7 @@ class SceneMesh:
         materials: At least one.
         instances: `instances[i].id == i`; structure (walls, floors, doors, ...) is among them.
         corner_colors: (F, 3, 3) uint8 that multiply the texture, or None.
+        lit: Whether a renderer lights it; a scan's textures bring their light with them.
     """
 
     vertices: NDArray[np.float64]
@@ -48,6 +49,7 @@ class SceneMesh:
     materials: tuple[Material, ...]
     instances: tuple[Instance, ...]
     corner_colors: NDArray[np.uint8] | None = None
+    lit: bool = True
 
 
 @dataclass(frozen=True)

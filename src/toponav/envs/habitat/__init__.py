@@ -1,5 +1,1 @@
-"""Habitat-Sim behind the environment seam; loads only where habitat_sim is installed."""
-
-from toponav.envs.habitat.env import HabitatEnv
-
-__all__ = ["HabitatEnv"]
+"""Habitat-Sim behind the environment seam, and its navmesh files; the library loads on use."""

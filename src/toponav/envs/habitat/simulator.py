@@ -5,7 +5,9 @@ Poses and points come and go in this project's frames; what Habitat sees of them
 
 from __future__ import annotations
 
+import atexit
 import os
+import weakref
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +25,16 @@ FIRST_EGL_DEVICE = -1
 """The device on which Habitat renders: any that EGL offers, which may be Mesa's software."""
 
 _COLOR, _DEPTH, _SEMANTIC = "rgb", "depth", "semantic"
+
+
+_open: weakref.WeakSet[HabitatSimulator] = weakref.WeakSet()
+"""Simulators that hold a GL context, which must be let go before the interpreter ends."""
+
+
+@atexit.register
+def _close_all() -> None:
+    for simulator in list(_open):
+        simulator.close()
 
 
 def import_habitat_sim() -> Any:
@@ -73,6 +85,7 @@ class HabitatSimulator:
             self._sim.close()
             raise SceneError(f"{stage}: habitat-sim finds no floor on which the agent has room")
         self._intrinsics = intrinsics
+        _open.add(self)
 
     @property
     def habitat(self) -> Any:
@@ -106,6 +119,7 @@ class HabitatSimulator:
     def close(self) -> None:
         """Let the scene go."""
         self._sim.close()
+        _open.discard(self)
 
     def _look_from(self, world_from_camera: Pose) -> None:
         """Put every sensor at a pose."""

@@ -97,6 +97,7 @@ def _pack(mesh: SceneMesh) -> Surfaces:
         texels=np.concatenate([texture.reshape(-1, 3) for texture in textures]),
         offset=np.concatenate([[0], end[:-1]]),
         size=size,
+        lit=mesh.lit,
     )
 
 

@@ -69,7 +69,7 @@ def annotated_scene(
     if spare:
         instances.append(Instance(spare, UNANNOTATED, UNKNOWN))
     owner = np.where(face_object >= 0, face_object, spare).astype(np.int32)
-    mesh = replace(mesh, face_instance=owner, instances=tuple(instances))
+    mesh = replace(mesh, face_instance=owner, instances=tuple(instances), lit=False)
     try:
         floors = find_floors(mesh.vertices[mesh.faces])
     except SceneError as error:

@@ -17,7 +17,7 @@ TABLE = "hm3d_categories.tsv"
 @cache
 def _table() -> dict[str, str]:
     lines = files(__package__).joinpath(TABLE).read_text(encoding="utf-8").splitlines()
-    return dict(line.split("\t") for line in lines if line and not line.startswith("#"))  # type: ignore[misc]
+    return dict(line.split("\t") for line in lines if line and not line.startswith("#"))
 
 
 def hm3d_category(raw: str) -> str:

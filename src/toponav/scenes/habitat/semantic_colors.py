@@ -18,7 +18,7 @@ MAX_COLOR_ERROR = 4.0
 
 
 def srgb_from_linear(linear: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """sRGB bytes of linear ones."""
+    """Bytes in sRGB of linear ones."""
     x = linear / 255.0
     curved = np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1.0 / 2.4) - 0.055)
     return np.round(255.0 * curved).astype(np.uint8)
