@@ -91,7 +91,7 @@ class RunOptions:
     """Dollars that the reasoner's model may take: then no further episode is begun."""
 
     data: Path = Path("data")
-    """Habitat's data folder, which holds `scene_datasets` and `datasets`, for ObjectNav episodes."""
+    """Habitat's data folder, for ObjectNav episodes: holds `scene_datasets` and `datasets`."""
 
 
 def image_size(text: str) -> tuple[int, int]:

@@ -84,8 +84,10 @@ def _described(info: dict[str, Any]) -> str:
 
 @dataclass(frozen=True)
 class Export:
-    """Write houses or scenes for other tools: house JSON, glTF with categories, or a dataset that
-    Habitat runs."""
+    """Write houses or scenes for other tools.
+
+    House JSON, glTF with categories, or a dataset that Habitat runs.
+    """
 
     scene: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="SCENE")]
     """House, mesh scene or generated:SEED; with --format habitat also several: a folder of them or

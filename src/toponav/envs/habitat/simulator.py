@@ -24,6 +24,9 @@ from toponav.scenes.habitat.layout import dataset_config
 FIRST_EGL_DEVICE = -1
 """The device on which Habitat renders: any that EGL offers, which may be Mesa's software."""
 
+GPU_VARIABLE = "TOPONAV_HABITAT_GPU"
+"""Environment variable with the number of another device, for a machine with CUDA."""
+
 _COLOR, _DEPTH, _SEMANTIC = "rgb", "depth", "semantic"
 
 
@@ -136,7 +139,7 @@ class HabitatSimulator:
         config = dataset_config(stage)
         if config is not None:
             backend.scene_dataset_config_file = str(config)
-        backend.gpu_device_id = int(os.environ.get("TOPONAV_HABITAT_GPU", FIRST_EGL_DEVICE))
+        backend.gpu_device_id = int(os.environ.get(GPU_VARIABLE, FIRST_EGL_DEVICE))
         backend.enable_physics = False
         backend.load_semantic_mesh = True
         backend.allow_sliding = False

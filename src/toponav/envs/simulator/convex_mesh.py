@@ -1,7 +1,7 @@
 """The navigable cells as few convex polygons that cover the same floor: what a navmesh holds.
 
-Cells of one height form patches. The outline of a patch, with every place where another patch
-begins, is triangulated (constrained Delaunay), and triangles are joined as long as they stay convex.
+Cells of one height form patches. The outline of a patch, with the places where another begins, is
+triangulated (constrained Delaunay), and triangles are joined as long as they stay convex.
 """
 
 from __future__ import annotations
