@@ -186,12 +186,12 @@ def _task(habitat: Any, path: Path, data: Path, config: RunConfig) -> Any:
     OmegaConf.set_readonly(task, False)
     with open_dict(task):
         simulator = task.habitat.simulator
-        simulator.habitat_sim_v0.gpu_device_id = int(
-            os.environ.get(GPU_VARIABLE, FIRST_EGL_DEVICE)
-        )
+        simulator.habitat_sim_v0.gpu_device_id = int(os.environ.get(GPU_VARIABLE, FIRST_EGL_DEVICE))
         sensors = simulator.agents.main_agent.sim_sensors
         sensors.semantic_sensor = HabitatSimSemanticSensorConfig(
-            type=_semantic_sensor(), hfov=round(camera.hfov_deg), position=[0.0, camera.camera_height_m, 0.0]
+            type=_semantic_sensor(),
+            hfov=round(camera.hfov_deg),
+            position=[0.0, camera.camera_height_m, 0.0],
         )
         for sensor in sensors.values():
             sensor.width, sensor.height = camera.width, camera.height
