@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from published_scenes import write_hm3d, write_mp3d
 from small_house import small_scene
@@ -40,10 +41,9 @@ def assert_same_scene(loaded: Scene, original: Scene) -> None:
     """The same triangles, each of the same category, and the same floor to stand on."""
     ours, theirs = (s.mesh.vertices[s.mesh.faces] for s in (loaded, original))
     assert len(ours) == len(theirs)
-    order = [np.lexsort(np.round(c.mean(axis=1), 4).T) for c in (ours, theirs)]
-    np.testing.assert_allclose(ours[order[0]], theirs[order[1]], atol=2e-4)
-    mine, true = categories_of_faces(loaded)[order[0]], categories_of_faces(original)[order[1]]
-    assert (mine == true).mean() > 0.999
+    distance, same = cKDTree(theirs.mean(axis=1)).query(ours.mean(axis=1))
+    assert distance.max() < 2e-4
+    assert (categories_of_faces(loaded) == categories_of_faces(original)[same]).mean() > 0.998
     areas = [NavigableSurface.build(s.mesh, floors=s.floors).area for s in (loaded, original)]
     assert areas[0] == pytest.approx(areas[1], rel=0.01)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from enum import Enum
 
 import numpy as np
@@ -10,6 +11,7 @@ from pydantic import Field
 
 from toponav.config_model import ConfigModel
 from toponav.control.discrete import DiscreteFollower, FollowerConfig
+from toponav.control.guide import Guide, GuidedWalk
 from toponav.control.planner import Clearance, CostField, Planner, PlannerConfig
 from toponav.control.recovery import BumpMemory, ProgressMonitor, RecoveryConfig
 from toponav.mapping.view import OccupancyGrid
@@ -44,9 +46,11 @@ class Progress(Enum):
 class Locomotion:
     """Walks to the nearest of a set of goals, replanning on every step's map."""
 
-    def __init__(self, config: LocomotionConfig) -> None:
-        """Start idle."""
+    def __init__(self, config: LocomotionConfig, guide: Guide | None = None) -> None:
+        """Start idle; with a guide, walks follow its paths instead of the map's."""
         self._config = config
+        turn = math.radians(config.follower.turn_deg)
+        self._guided = None if guide is None else GuidedWalk(guide, turn)
         self._planner = Planner(config.planner)
         self._follower = DiscreteFollower(config.follower)
         self._bumps = BumpMemory(config.recovery)
@@ -72,6 +76,8 @@ class Locomotion:
     def go_to(self, goals: NDArray[np.floating]) -> None:
         """Walk to the nearest of (2 or 3,) or (N, 2 or 3) positions from now on."""
         self._monitor.restart()
+        if self._guided is not None:
+            self._guided.restart()
         self.redirect(goals)
 
     def redirect(self, goals: NDArray[np.floating]) -> None:
@@ -88,6 +94,8 @@ class Locomotion:
         if self.progress is not Progress.WALKING:
             return None
         xy = observation.world_from_base.translation[:2]
+        if self._guided is not None:
+            return self._next_guided(self._guided, observation)
         field = self._field(observation, grid)
         if np.hypot(*(field.goals - xy).T).min(initial=np.inf) <= self._config.arrival_m:
             self.progress = Progress.ARRIVED
@@ -96,6 +104,17 @@ class Locomotion:
         if not self._monitor.stalled(xy, field):
             barred = self._bumps.barring(xy, grid)
             action = self._follower.next_action(observation.world_from_base, field, barred)
+        if action is None:
+            self.progress = Progress.GAVE_UP
+        return action
+
+    def _next_guided(self, guided: GuidedWalk, observation: Observation) -> Action | None:
+        """As `next_action`, by the guide's path."""
+        xy = observation.world_from_base.translation[:2]
+        if np.hypot(*(self._goals - xy).T).min(initial=np.inf) <= self._config.arrival_m:
+            self.progress = Progress.ARRIVED
+            return None
+        action = guided.next_action(observation.world_from_base, self._goals)
         if action is None:
             self.progress = Progress.GAVE_UP
         return action

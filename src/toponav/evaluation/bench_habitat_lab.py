@@ -206,13 +206,13 @@ def _semantic_sensor() -> str:
     from habitat.core.registry import registry
     from habitat.sims.habitat_simulator.habitat_simulator import HabitatSimSemanticSensor
 
-    class Labels(HabitatSimSemanticSensor):  # type: ignore[misc]
-        def _get_observation_space(self, *args: Any, **kwargs: Any) -> Any:
-            shape = (self.config.height, self.config.width, 1)
-            return spaces.Box(low=0, high=np.iinfo(np.int32).max, shape=shape, dtype=np.int32)
+    def space(sensor: Any, *args: Any, **kwargs: Any) -> Any:
+        shape = (sensor.config.height, sensor.config.width, 1)
+        return spaces.Box(low=0, high=np.iinfo(np.int32).max, shape=shape, dtype=np.int32)
 
-    registry.register_sensor(Labels, name=Labels.__name__)
-    return Labels.__name__
+    labels = type("Labels", (HabitatSimSemanticSensor,), {"_get_observation_space": space})
+    registry.register_sensor(labels, name=labels.__name__)
+    return labels.__name__
 
 
 def _import_habitat() -> Any:

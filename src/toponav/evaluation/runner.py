@@ -8,8 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from toponav.config import config_sha
+from toponav.control.guide import Guidable
 from toponav.envs.backends import HABITAT, backends
 from toponav.envs.habitat.simulator import import_habitat_sim
+from toponav.errors import InputError
+from toponav.evaluation.oracle_guide import OracleGuide
 from toponav.evaluation.results import EpisodeResult
 from toponav.evaluation.rollout import (
     EpisodeSpec,
@@ -138,6 +141,10 @@ class SceneRunner:
                 listener=Listeners((watch, *listeners)),
             )
         )
+        if config.follower == "oracle":
+            if not isinstance(agent, Guidable):
+                raise InputError(f"{config.method} plans no walks: leave --follower at map")
+            agent.follow(OracleGuide(self.env))
         try:
             rollout = roll_out(self.env, agent, spec, (watch, *observers))
         finally:
