@@ -183,8 +183,8 @@ class HabitatLab:
         """Run in habitat-lab, score here, and print."""
         from toponav.cli.console import Output
         from toponav.envs.backends import HABITAT
-        from toponav.evaluation.bench_habitat_lab import compare_with_habitat_lab, mean_scores
         from toponav.evaluation.run_config import run_config
+        from toponav.habitat.lab_comparison import compare_with_habitat_lab, mean_scores
 
         output = Output(self.json)
         config = run_config("default", self.method).model_copy(update={"backend": HABITAT})

@@ -23,7 +23,7 @@ from toponav.evaluation.results import Score, score_episode
 from toponav.evaluation.run_config import RunConfig
 from toponav.evaluation.runner import SceneRunner
 from toponav.evaluation.sources import ObjectNavSource
-from toponav.habitat import ChallengeAgent
+from toponav.habitat.challenge_agent import ChallengeAgent
 from toponav.types import Action, Instance
 
 TASK = "benchmark/nav/objectnav/objectnav_hm3d.yaml"
