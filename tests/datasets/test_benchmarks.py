@@ -6,8 +6,8 @@ import re
 from pathlib import Path
 
 import pytest
-
 from episode_files import content, write
+
 from published_scenes import write_hm3d
 from shared_data import shared_data
 from small_house import small_scene
