@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from enum import Enum
 
 import numpy as np
@@ -11,7 +10,7 @@ from pydantic import Field
 
 from toponav.config_model import ConfigModel
 from toponav.control.discrete import DiscreteFollower, FollowerConfig
-from toponav.control.guide import Guide, GuidedWalk
+from toponav.control.guide import Guide, guided_action
 from toponav.control.planner import Clearance, CostField, Planner, PlannerConfig
 from toponav.control.recovery import BumpMemory, ProgressMonitor, RecoveryConfig
 from toponav.mapping.view import OccupancyGrid
@@ -49,8 +48,7 @@ class Locomotion:
     def __init__(self, config: LocomotionConfig, guide: Guide | None = None) -> None:
         """Start idle; with a guide, walks follow its paths instead of the map's."""
         self._config = config
-        turn = math.radians(config.follower.turn_deg)
-        self._guided = None if guide is None else GuidedWalk(guide, turn)
+        self._guide = guide
         self._planner = Planner(config.planner)
         self._follower = DiscreteFollower(config.follower)
         self._bumps = BumpMemory(config.recovery)
@@ -76,8 +74,6 @@ class Locomotion:
     def go_to(self, goals: NDArray[np.floating]) -> None:
         """Walk to the nearest of (2 or 3,) or (N, 2 or 3) positions from now on."""
         self._monitor.restart()
-        if self._guided is not None:
-            self._guided.restart()
         self.redirect(goals)
 
     def redirect(self, goals: NDArray[np.floating]) -> None:
@@ -94,8 +90,8 @@ class Locomotion:
         if self.progress is not Progress.WALKING:
             return None
         xy = observation.world_from_base.translation[:2]
-        if self._guided is not None:
-            return self._next_guided(self._guided, observation)
+        if self._guide is not None:
+            return self._next_guided(self._guide, observation)
         field = self._field(observation, grid)
         if np.hypot(*(field.goals - xy).T).min(initial=np.inf) <= self._config.arrival_m:
             self.progress = Progress.ARRIVED
@@ -108,13 +104,13 @@ class Locomotion:
             self.progress = Progress.GAVE_UP
         return action
 
-    def _next_guided(self, guided: GuidedWalk, observation: Observation) -> Action | None:
-        """As `next_action`, by the guide's path."""
+    def _next_guided(self, guide: Guide, observation: Observation) -> Action | None:
+        """As `next_action`, by the guide's knowledge."""
         xy = observation.world_from_base.translation[:2]
         if np.hypot(*(self._goals - xy).T).min(initial=np.inf) <= self._config.arrival_m:
             self.progress = Progress.ARRIVED
             return None
-        action = guided.next_action(observation.world_from_base, self._goals)
+        action = guided_action(guide, self._goals)
         if action is None:
             self.progress = Progress.GAVE_UP
         return action
