@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from toponav.categories import canonical
 from toponav.config import NavigatorConfig
+from toponav.control.guide import Guide
 from toponav.control.locomotion import Locomotion, Progress
 from toponav.control.planned_search import Hints, PlannedSearch
 from toponav.control.planner import CostField
@@ -83,7 +84,12 @@ class Navigator:
         self._counsel: Counsel = Waiting(reasoner)
         self._listener = listener or Listeners()
         self._recalled: Knowledge | None = None
+        self._guide: Guide | None = None
         self.reset("")
+
+    def follow(self, guide: Guide) -> None:
+        """Walk as a guide says, from the next episode on: only to compare."""
+        self._guide = guide
 
     def reset(self, goal: str) -> None:
         """Forget the last episode and look for an object of category `goal`."""
@@ -98,7 +104,7 @@ class Navigator:
         self._goal = GoalTracker(config.goal)
         if known is not None:
             self._goal.recall(known.semantic_map.view().objects, self._target)
-        self._locomotion = Locomotion(config.locomotion)
+        self._locomotion = Locomotion(config.locomotion, self._guide)
         self._barren = BarrenWaypoints(config.locomotion.recovery)
         self._odometry = Odometry()
         self._phase = Phase.EXPLORATION

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from toponav.categories import canonical
 from toponav.config import NavigatorConfig
+from toponav.control.guide import Guide
 from toponav.control.locomotion import Locomotion, Progress
 from toponav.control.planner import CostField, Planner
 from toponav.control.recovery import BarrenWaypoints
@@ -43,7 +44,12 @@ class MappedSearch(ABC):
         self._detector = detector
         self._config = config
         self._listener = listener
+        self._guide: Guide | None = None
         self.reset("")
+
+    def follow(self, guide: Guide) -> None:
+        """Walk as a guide says, from the next episode on: only to compare."""
+        self._guide = guide
 
     def reset(self, goal: str) -> None:
         """Forget the last episode and look for an object of category `goal`."""
@@ -52,7 +58,7 @@ class MappedSearch(ABC):
         self._map = SemanticMap(self._config.map)
         plain = self._config.goal.model_copy(update={"evidence": None})
         self._goal = GoalTracker(self._goal_config(plain))
-        self._locomotion = Locomotion(self._config.locomotion)
+        self._locomotion = Locomotion(self._config.locomotion, self._guide)
         self._barren = BarrenWaypoints(self._config.locomotion.recovery)
         self._phase = Phase.EXPLORATION
         self._waypoint: NDArray[np.float64] | None = None

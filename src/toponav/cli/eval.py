@@ -16,7 +16,9 @@ class Eval:
     """Run the episodes of scenes or of an ObjectNav episode file, and sum them up."""
 
     source: Annotated[str | None, tyro.conf.Positional, tyro.conf.arg(metavar="SOURCE")] = None
-    """Scene, folder of scenes, generated:FIRST-LAST, or an ObjectNav episode file (.json.gz)."""
+    """Scene, folder of scenes, generated:FIRST-LAST, an ObjectNav episode file (.json.gz), or a
+    benchmark: objectnav-hm3d-v1, objectnav-hm3d-v2, objectnav-mp3d (name:split for a split other
+    than val)."""
 
     out: Path = Path("runs/eval")
     """Folder for episodes.jsonl, config.json and summary.json; must not hold episodes yet."""

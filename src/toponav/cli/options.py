@@ -52,6 +52,13 @@ class AgentOptions:
     cache: Path | None = field(default_factory=answer_cache)
     """Folder of a model's answers: what was answered once is not asked again; None asks anew."""
 
+    backend: Literal["embedded", "habitat"] = "embedded"
+    """What simulates: the embedded simulator, or habitat-sim for scenes in Habitat's files."""
+
+    follower: Literal["map", "oracle"] = "map"
+    """How walks are planned: over the agent's own map, or, for comparison with papers that do so,
+    with the simulator's navmesh; the latter is named in every table."""
+
     seed: int = 0
     """Seed of everything random."""
 
@@ -113,7 +120,7 @@ class RunOptions:
     """Dollars that the reasoner's model may take: then no further episode is begun."""
 
     data: Path = Path("data")
-    """Folder that holds `scene_datasets`, for the scenes of an ObjectNav episode file."""
+    """Habitat's data folder, for ObjectNav episodes: holds `scene_datasets` and `datasets`."""
 
 
 def image_size(text: str) -> tuple[int, int]:

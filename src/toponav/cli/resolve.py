@@ -22,7 +22,8 @@ def resolve_config(options: AgentOptions) -> RunConfig:
     size_and_limit = {"width": width, "height": height, "max_steps": options.max_steps}
     env = parse_config(HouseEnvConfig, size_and_limit, "the command line")
     config = run_config(options.preset, options.method, options.seed, env)
-    config = config.model_copy(update={"detector": options.detector, "reasoner": options.reasoner})
+    parts = ("detector", "reasoner", "backend", "follower")
+    config = config.model_copy(update={name: getattr(options, name) for name in parts})
     model = {"model": options.model, "base_url": options.base_url}
     named = {f"reasoning.openai.{key}": value for key, value in model.items() if value is not None}
     return with_overrides(config, {**named, **overrides(options.set)})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import tyro
 
@@ -84,19 +84,38 @@ def _described(info: dict[str, Any]) -> str:
 
 @dataclass(frozen=True)
 class Export:
-    """Write a house or a scene for other tools: house JSON, or glTF with categories."""
+    """Write houses or scenes for other tools.
+
+    House JSON, glTF with categories, or a dataset that Habitat runs.
+    """
 
     scene: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="SCENE")]
-    """House, mesh scene or generated:SEED."""
+    """House, mesh scene or generated:SEED; with --format habitat also several: a folder of them or
+    generated:FIRST-LAST."""
 
-    out: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FILE")]
-    """A .json (houses only) or .glb file."""
+    out: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="OUT")]
+    """A .json (houses only) or .glb file; with --format habitat Habitat's data folder."""
+
+    format: Literal["json", "gltf", "habitat"] | None = None
+    """By default what the suffix of OUT names."""
 
     labels: Path | None = None
     """Label table of a mesh scene."""
 
+    name: str = "toponav"
+    """Name of a Habitat dataset."""
+
+    split: str = "val"
+    """Split of a Habitat dataset's episodes."""
+
+    episodes: int | None = None
+    """Episodes of each scene of a Habitat dataset; by default those that it brings."""
+
+    seed: int = 0
+    """Seed of the episodes that are drawn."""
+
     json: JsonFlag = False
-    """Print the file's name as one JSON object on stdout."""
+    """Print the files' names as one JSON object on stdout."""
 
     def run(self) -> None:
         """Load and write."""
@@ -104,11 +123,33 @@ class Export:
         from toponav.scenes.export import export_house
         from toponav.scenes.loading import load_house_spec, load_scene
 
-        if self.out.suffix.lower() == ".json":
-            export_house(load_house_spec(self.scene), self.out)
+        if self.format == "habitat":
+            self._export_dataset()
+            return
+        path = self.out
+        if self.format is not None:
+            path = path.with_suffix({"json": ".json", "gltf": ".glb"}[self.format])
+        if path.suffix.lower() == ".json":
+            export_house(load_house_spec(self.scene), path)
         else:
-            export_house(load_scene(self.scene, self.labels), self.out)
-        Output(self.json).result(f"wrote {self.out}", {"file": str(self.out)})
+            export_house(load_scene(self.scene, self.labels), path)
+        Output(self.json).result(f"wrote {path}", {"file": str(path)})
+
+    def _export_dataset(self) -> None:
+        from toponav.cli.console import Output
+        from toponav.cli.options import fresh_folder
+        from toponav.evaluation.objectnav_export import DatasetPlan, export_dataset
+        from toponav.scenes.loading import list_scenes, load_scene
+
+        output = Output(self.json)
+        folder = fresh_folder(self.out)
+        plan = DatasetPlan(folder, self.name, self.split, self.episodes, self.seed)
+        specs = list_scenes(self.scene)
+        files = export_dataset((load_scene(spec, self.labels) for spec in specs), plan)
+        output.result(
+            f"{len(specs)} scenes and their episodes; toponav eval {files[-1]} --data {folder}",
+            {"files": [str(path) for path in files], "episodes": str(files[-1])},
+        )
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from pydantic import Field
 
 from toponav.config_model import ConfigModel
 from toponav.control.discrete import DiscreteFollower, FollowerConfig
+from toponav.control.guide import Guide, guided_action
 from toponav.control.planner import Clearance, CostField, Planner, PlannerConfig
 from toponav.control.recovery import BumpMemory, ProgressMonitor, RecoveryConfig
 from toponav.mapping.view import OccupancyGrid
@@ -44,9 +45,10 @@ class Progress(Enum):
 class Locomotion:
     """Walks to the nearest of a set of goals, replanning on every step's map."""
 
-    def __init__(self, config: LocomotionConfig) -> None:
-        """Start idle."""
+    def __init__(self, config: LocomotionConfig, guide: Guide | None = None) -> None:
+        """Start idle; with a guide, walks follow its paths instead of the map's."""
         self._config = config
+        self._guide = guide
         self._planner = Planner(config.planner)
         self._follower = DiscreteFollower(config.follower)
         self._bumps = BumpMemory(config.recovery)
@@ -88,6 +90,8 @@ class Locomotion:
         if self.progress is not Progress.WALKING:
             return None
         xy = observation.world_from_base.translation[:2]
+        if self._guide is not None:
+            return self._next_guided(self._guide, observation)
         field = self._field(observation, grid)
         if np.hypot(*(field.goals - xy).T).min(initial=np.inf) <= self._config.arrival_m:
             self.progress = Progress.ARRIVED
@@ -96,6 +100,17 @@ class Locomotion:
         if not self._monitor.stalled(xy, field):
             barred = self._bumps.barring(xy, grid)
             action = self._follower.next_action(observation.world_from_base, field, barred)
+        if action is None:
+            self.progress = Progress.GAVE_UP
+        return action
+
+    def _next_guided(self, guide: Guide, observation: Observation) -> Action | None:
+        """As `next_action`, by the guide's knowledge."""
+        xy = observation.world_from_base.translation[:2]
+        if np.hypot(*(self._goals - xy).T).min(initial=np.inf) <= self._config.arrival_m:
+            self.progress = Progress.ARRIVED
+            return None
+        action = guided_action(guide, self._goals)
         if action is None:
             self.progress = Progress.GAVE_UP
         return action

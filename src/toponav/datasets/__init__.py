@@ -1,5 +1,6 @@
 """Episodes of published benchmarks, read from their own files."""
 
+from toponav.datasets.benchmarks import benchmark_file, is_benchmark
 from toponav.datasets.check import DatasetReport, check_objectnav
 from toponav.datasets.objectnav import (
     Goal,
@@ -16,7 +17,9 @@ __all__ = [
     "Goal",
     "ObjectNavDataset",
     "ObjectNavEpisode",
+    "benchmark_file",
     "check_objectnav",
+    "is_benchmark",
     "is_objectnav_file",
     "load_objectnav",
     "missing_scene_message",

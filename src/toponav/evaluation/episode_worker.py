@@ -77,10 +77,16 @@ class EpisodeWorker:
         run = RunIdentity(self._config.method, config_sha(self._config), 0.0)
         return Rollout.impossible(reason).scored(spec, run)
 
+    def close(self) -> None:
+        """Let the scene go."""
+        if self._runner is not None:
+            self._runner.close()
+        self._runner, self._spec = None, None
+
     def _runner_in(self, spec: str) -> SceneRunner:
         """The runner of a scene; the last one's memory is freed before it is built."""
         if self._runner is None or self._spec != spec:
-            self._runner, self._spec = None, None
+            self.close()
             self._runner = SceneRunner(self._source.load(spec), self._config)
             self._spec = spec
         return self._runner

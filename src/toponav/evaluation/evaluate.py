@@ -162,6 +162,8 @@ def _summary(
         "source": source,
         "method": config.method,
         "preset": config.preset,
+        "backend": config.backend,
+        "follower": config.follower,
         "all": summarize(ordered),
         "same_floor": summarize([result for result in ordered if not result.floor_change]),
         "floor_change": summarize([result for result in ordered if result.floor_change]),
@@ -172,6 +174,8 @@ def _summary(
 def summary_line(summary: dict[str, Any]) -> str:
     """The run in a few plain lines: one for each group that has episodes."""
     lines = [f"{summary['method']} (preset {summary['preset']}) on {summary['source']}"]
+    if summary["follower"] == "oracle":
+        lines[0] += " - FOLLOWER ORACLE: walks on the simulator's navmesh"
     for group in ("all", "same_floor", "floor_change"):
         row = summary[group]
         if row["n"]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import Field
 
 from toponav.config import NavigatorConfig, parse_config, preset
@@ -42,6 +44,13 @@ class RunConfig(ConfigModel):
 
     navigator: NavigatorConfig = Field(default_factory=NavigatorConfig)
     """Every parameter of the agent."""
+
+    backend: str = "embedded"
+    """What simulates: embedded, or habitat for scenes in Habitat's own files."""
+
+    follower: Literal["map", "oracle"] = "map"
+    """How walks are planned: over the agent's own map, or with the simulator's navmesh, which no
+    agent of the benchmark may see; the latter is named in every table."""
 
     env: HouseEnvConfig = Field(default_factory=HouseEnvConfig)
     """The protocol's agent and camera, and the noise models."""

@@ -9,7 +9,11 @@ from dataclasses import replace
 import numpy as np
 
 from toponav.config import config_sha
-from toponav.envs.simulator import HouseEnv
+from toponav.control.guide import Guidable
+from toponav.envs.backends import HABITAT, backends
+from toponav.envs.habitat.simulator import import_habitat_sim
+from toponav.errors import InputError
+from toponav.evaluation.oracle_guide import OracleGuide
 from toponav.evaluation.recollection import Recollection
 from toponav.evaluation.results import EpisodeResult
 from toponav.evaluation.rollout import (
@@ -46,6 +50,9 @@ def check_parts(config: RunConfig, *, replayed: bool = False) -> None:
     methods.get(config.method)
     check_detector(config.detector)
     reasoners.get(config.reasoner)
+    backends.get(config.backend)
+    if config.backend == HABITAT:
+        import_habitat_sim()
     if config.reasoner == OPENAI and not replayed:
         key_of(config.reasoning.openai)
 
@@ -64,8 +71,12 @@ class SceneRunner:
         self._reasoner = reasoners.get(config.reasoner)
         self.scene = scene
         self.config = config
-        self.env = HouseEnv(scene, config.env)
+        self.env = backends.get(config.backend)(scene, config.env)
         self._identity = RunIdentity(config.method, config_sha(config), self.env.surface.area)
+
+    def close(self) -> None:
+        """Let the scene go."""
+        self.env.close()
 
     def episode(self, index: int) -> EpisodeSpec:
         """Episode `index` of the scene: one that it brings or, beyond those, one that is drawn.
@@ -161,6 +172,10 @@ class SceneRunner:
                 listener=Listeners((watch, *listeners)),
             )
         )
+        if config.follower == "oracle":
+            if not isinstance(agent, Guidable):
+                raise InputError(f"{config.method} plans no walks: leave --follower at map")
+            agent.follow(OracleGuide(self.env))
         try:
             if known is not None:
                 known.give_to(agent)

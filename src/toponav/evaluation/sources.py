@@ -10,6 +10,8 @@ from typing import Protocol
 
 from toponav.datasets import (
     ObjectNavEpisode,
+    benchmark_file,
+    is_benchmark,
     is_objectnav_file,
     load_objectnav,
     missing_scene_message,
@@ -90,6 +92,7 @@ class ObjectNavSource:
         return replace(
             scene,
             name=scene_name(spec),
+            stage=scene_file(spec, self.data),
             episodes=tuple(SceneEpisode(e.target, e.start, e.yaw) for e in own),
             viewpoints={episode.target: episode.viewpoints for episode in own},
         )
@@ -105,8 +108,13 @@ def open_source(source: str, labels: Path | None, data: Path) -> Source:
     Args:
         source: What the user typed.
         labels: Label table of mesh scenes.
-        data: Folder that holds `scene_datasets`, for an episode file.
+        data: Habitat's data folder, for an episode file or a benchmark's name.
+
+    Raises:
+        InputError: The episode file of a benchmark is missing.
     """
+    if is_benchmark(source):
+        return ObjectNavSource(benchmark_file(source, data), data)
     if is_objectnav_file(Path(source)):
         return ObjectNavSource(Path(source), data)
     return SceneSource(source, labels)

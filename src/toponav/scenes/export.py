@@ -13,7 +13,7 @@ from trimesh.visual import TextureVisuals
 from trimesh.visual.material import PBRMaterial
 
 from toponav.errors import SceneError
-from toponav.geometry.conventions import WORLD_FROM_HABITAT
+from toponav.geometry.conventions import HABITAT_FROM_WORLD
 from toponav.scenes.house import House
 from toponav.scenes.house_io import replace_file, save_house
 from toponav.scenes.mesh import Material, Scene, SceneMesh
@@ -52,8 +52,7 @@ def export_house(source: House | Scene, path: Path | str, base_dir: Path | None 
 
 def scene_to_glb(scene: Scene) -> bytes:
     """The scene as binary glTF, y up as its specification wants."""
-    habitat_from_world = WORLD_FROM_HABITAT.inverse()
-    vertices = habitat_from_world.apply(scene.mesh.vertices)
+    vertices = HABITAT_FROM_WORLD.apply(scene.mesh.vertices)
     materials = [_pbr_material(material) for material in scene.mesh.materials]
     exported = trimesh.Scene()
     for instance in scene.mesh.instances:
@@ -81,6 +80,7 @@ def _pbr_material(material: Material) -> PBRMaterial:
         baseColorTexture=Image.fromarray(material.texture),
         metallicFactor=0.0,
         roughnessFactor=1.0,
+        doubleSided=True,
     )
 
 

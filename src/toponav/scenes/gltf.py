@@ -7,6 +7,7 @@ it, says so, or when a label table matches its name. A part called after a piece
 
 from __future__ import annotations
 
+import io
 import re
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 from toponav.categories import canonical
 from toponav.errors import SceneError
 from toponav.geometry.conventions import WORLD_FROM_HABITAT
+from toponav.scenes.basis_textures import uses_basis, without_basis
 from toponav.scenes.label_table import LabelTable, load_label_table
 from toponav.scenes.mesh import Scene, SceneMesh
 from toponav.scenes.mesh_floors import detect_up_axis, find_floors
@@ -107,8 +109,10 @@ def _read(path: Path) -> trimesh.Scene:
         raise SceneError(f"{path}: not a mesh; meshes are {', '.join(MESH_SUFFIXES)} files")
     if not path.is_file():
         raise SceneError(f"{path}: no such file")
+    compressed = path.suffix.lower() == ".glb" and uses_basis(path)
+    file = io.BytesIO(without_basis(path)) if compressed else path
     try:
-        return trimesh.load_scene(path, process=False)
+        return trimesh.load_scene(file, file_type=path.suffix.lower()[1:], process=False)
     except Exception as error:
         # The readers of damaged files fail in as many ways as files can be damaged.
         reason = " ".join(str(error).split()) or type(error).__name__

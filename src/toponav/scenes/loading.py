@@ -5,6 +5,7 @@ HOUSE is one of these, told apart by suffix and content:
     house.json            the house format, or a ProcTHOR house
     home.yaml             a DomestiGraph room graph
     scene.glb .gltf .ply .obj
+    X.glb beside X.semantic.txt (HM3D, and `scenes export --format habitat`) or X.house (MP3D)
     generated:7           the generator's house of that seed (options: see `generate`)
 
 SOURCE is a HOUSE, a folder of house files, room graphs and meshes, or a range `generated:0-24`.
@@ -21,6 +22,11 @@ from toponav.errors import SceneError
 from toponav.scenes.domestigraph import import_domestigraph
 from toponav.scenes.generate import generate_house, house_name, parse_generator_spec
 from toponav.scenes.gltf import MESH_SUFFIXES, load_mesh_scene
+from toponav.scenes.habitat.hm3d import SEMANTIC_MESH as HM3D_LABELLED
+from toponav.scenes.habitat.hm3d import is_hm3d_stage, load_hm3d_scene
+from toponav.scenes.habitat.layout import stage_name
+from toponav.scenes.habitat.mp3d import SEMANTIC_MESH as MP3D_LABELLED
+from toponav.scenes.habitat.mp3d import is_mp3d_stage, load_mp3d_scene
 from toponav.scenes.house import House
 from toponav.scenes.house_io import load_house, read_text
 from toponav.scenes.mesh import Scene
@@ -29,6 +35,9 @@ from toponav.scenes.procthor import import_procthor
 
 GENERATOR_SCHEME = "generated:"
 """What the spec of a generated house begins with."""
+
+LABELLED = (HM3D_LABELLED, MP3D_LABELLED)
+"""How the names of labelled meshes end, which are parts of the scenes beside them."""
 
 GRAPH_SUFFIXES = (".yaml", ".yml")
 """Files that hold room graphs."""
@@ -41,7 +50,13 @@ class SceneKind(Enum):
     PROCTHOR = "ProcTHOR house"
     DOMESTIGRAPH = "room graph"
     MESH = "mesh scene"
+    HM3D = "scene with HM3D's annotations"
+    MP3D = "scene with MP3D's annotations"
     GENERATED = "generated house"
+
+
+ANNOTATED = frozenset({SceneKind.HM3D, SceneKind.MP3D})
+"""Meshes with annotations; a label table takes their place."""
 
 
 def load_scene(spec: str, labels: Path | None = None) -> Scene:
@@ -55,8 +70,12 @@ def load_scene(spec: str, labels: Path | None = None) -> Scene:
         SceneError: One line with the file and what is wrong.
     """
     kind = scene_kind(spec)
-    if kind is SceneKind.MESH:
+    if kind is SceneKind.MESH or (kind in ANNOTATED and labels is not None):
         return load_mesh_scene(Path(spec), labels)
+    if kind is SceneKind.HM3D:
+        return load_hm3d_scene(Path(spec))
+    if kind is SceneKind.MP3D:
+        return load_mp3d_scene(Path(spec))
     if labels is not None:
         raise SceneError(f"{spec}: a label table names the parts of a mesh; this is a {kind.value}")
     base_dir = None if kind is SceneKind.GENERATED else Path(spec).parent
@@ -81,7 +100,7 @@ def load_house_spec(spec: str) -> House:
             if len(houses) != 1:
                 raise SceneError(f"{spec}: stands for {len(houses)} houses; give one seed")
             return generate_house(*houses[0])
-        case SceneKind.MESH:
+        case SceneKind.MESH | SceneKind.HM3D | SceneKind.MP3D:
             raise SceneError(f"{spec}: a mesh has no plan of its rooms; give a house")
 
 
@@ -97,6 +116,8 @@ def scene_outline(spec: str) -> tuple[str, int]:
             return house_name(seed), config.episodes
         case SceneKind.MESH:
             return Path(spec).stem, 0
+        case SceneKind.HM3D | SceneKind.MP3D:
+            return stage_name(Path(spec)), 0
         case _:
             house = load_house_spec(spec)
             return house.name, len(house.episodes)
@@ -137,12 +158,19 @@ def scene_kind(spec: str) -> SceneKind:
         raise SceneError(f"{path}: no such file; a scene is a file or {GENERATOR_SCHEME}SEED")
     suffix = path.suffix.lower()
     if suffix in MESH_SUFFIXES:
-        return SceneKind.MESH
+        return _mesh_kind(path)
     if suffix in GRAPH_SUFFIXES:
         return SceneKind.DOMESTIGRAPH
     if suffix == ".json":
         return _json_kind(_json_content(path)) or SceneKind.HOUSE
     raise SceneError(f"{path}: not a scene; scenes are {_known_suffixes()} files")
+
+
+def _mesh_kind(path: Path) -> SceneKind:
+    """Whether annotations lie beside a mesh."""
+    if is_hm3d_stage(path):
+        return SceneKind.HM3D
+    return SceneKind.MP3D if is_mp3d_stage(path) else SceneKind.MESH
 
 
 def _known_suffixes() -> str:
@@ -178,7 +206,7 @@ def _scenes_in(folder: Path) -> list[Path]:
             if _json_kind(content) is not None or content == {}:
                 scenes.append(path)
             parts |= _mesh_parts(content)
-        elif suffix in (*GRAPH_SUFFIXES, *MESH_SUFFIXES):
+        elif suffix in (*GRAPH_SUFFIXES, *MESH_SUFFIXES) and not path.name.endswith(LABELLED):
             scenes.append(path)
     return [path for path in scenes if path.name not in parts]
 

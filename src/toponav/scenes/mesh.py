@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +38,7 @@ class SceneMesh:
         materials: At least one.
         instances: `instances[i].id == i`; structure (walls, floors, doors, ...) is among them.
         corner_colors: (F, 3, 3) uint8 that multiply the texture, or None.
+        lit: Whether a renderer lights it; a scan's textures bring their light with them.
     """
 
     vertices: NDArray[np.float64]
@@ -47,6 +49,7 @@ class SceneMesh:
     materials: tuple[Material, ...]
     instances: tuple[Instance, ...]
     corner_colors: NDArray[np.uint8] | None = None
+    lit: bool = True
 
 
 @dataclass(frozen=True)
@@ -70,6 +73,7 @@ class Scene:
         room_types: Room labels by polygon, for statistics and tests only: (type, level, (n, 2)).
         viewpoints: (N, 3) goal viewpoints by canonical category, where a dataset brings them; of
             other categories the simulator finds them.
+        stage: The file of a scene that Habitat can load itself; None for another one.
     """
 
     name: str
@@ -78,3 +82,4 @@ class Scene:
     episodes: tuple[SceneEpisode, ...] = ()
     room_types: tuple[tuple[str, int, NDArray[np.float64]], ...] = ()
     viewpoints: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
+    stage: Path | None = None

@@ -18,13 +18,14 @@ from toponav.envs.simulator.agent_body import AgentBody
 from toponav.envs.simulator.navigation import NavigableSurface
 from toponav.envs.simulator.oracle import SceneOracle
 from toponav.envs.simulator.raycaster import RayCaster
-from toponav.envs.simulator.renderer import Renderer
+from toponav.envs.simulator.renderer import CameraRenderer, Renderer
 from toponav.envs.simulator.sensors import NoiseConfig, SensorNoise, clip_range
+from toponav.envs.surface import Surface
 from toponav.errors import EpisodeError, InputError
 from toponav.geometry import Intrinsics, Pose
 from toponav.geometry.conventions import BODY_FROM_OPTICAL
 from toponav.scenes.mesh import Scene, SceneEpisode
-from toponav.types import Action, Observation, SemanticFrame
+from toponav.types import STRUCTURE_CATEGORIES, Action, Observation, SemanticFrame
 
 SUCCESS_RADIUS_M = 0.1
 """The reward's radius: the benchmark's."""
@@ -110,10 +111,8 @@ class HouseEnv(gymnasium.Env[dict[str, Any], Any]):
         self.render_mode = render_mode
         size = self.config.width, self.config.height
         self.intrinsics = Intrinsics.from_hfov(*size, self.config.hfov_deg)
-        self.surface = NavigableSurface.build(self.scene.mesh, self.config.body, self.scene.floors)
-        caster = RayCaster(self.scene.mesh)
-        self._renderer = Renderer(self.scene.mesh)
-        self.oracle = SceneOracle(self.scene, self.surface, caster, self)
+        self.surface, self._renderer = self._load_world()
+        self.oracle = SceneOracle(self.scene, self.surface, RayCaster(self.scene.mesh), self)
         self.observation_space = _observation_space(*size)
         self.action_space = spaces.Discrete(len(Action))
         self.target = ""
@@ -254,6 +253,11 @@ class HouseEnv(gymnasium.Env[dict[str, Any], Any]):
         x, y, z, yaw = (float(v) for v in start)
         return SceneEpisode(base.target, (x, y, z), yaw)
 
+    def _load_world(self) -> tuple[Surface, CameraRenderer]:
+        """Where the agent can be, and what its camera sees; another simulator brings its own."""
+        surface = NavigableSurface.build(self.scene.mesh, self.config.body, self.scene.floors)
+        return surface, Renderer(self.scene.mesh)
+
     def _next_from(self, options: dict[str, Any]) -> SceneEpisode:
         """The episode of a reset: as the options say, else the scene's own in turn."""
         target, start = options.get("target"), options.get("start")
@@ -271,8 +275,8 @@ class HouseEnv(gymnasium.Env[dict[str, Any], Any]):
 
     def _checked_target(self, name: str) -> str:
         target = canonical(name)
-        known = self.oracle.categories()
-        if target not in known:
+        if target in STRUCTURE_CATEGORIES | {"unknown"} or not len(self.oracle.viewpoints(target)):
+            known = self.oracle.categories()
             has = ", ".join(readable(category) for category in known) or "nothing that could be one"
             raise EpisodeError(
                 f"{self.scene.name} has no reachable {readable(target)}; it has {has}"

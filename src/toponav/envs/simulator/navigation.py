@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +17,7 @@ from toponav.envs.simulator.geodesic import ShortestPaths, distance_at, shortest
 from toponav.envs.simulator.heightfield import build_heightfield
 from toponav.envs.simulator.span_graph import SpanGraph, build_span_graph
 from toponav.envs.simulator.walking import cell_at, walk
+from toponav.envs.surface import Motion
 from toponav.errors import EpisodeError, InputError, SceneError
 from toponav.scenes.mesh import SceneMesh
 
@@ -35,19 +35,6 @@ __all__ = ["AgentBody", "DistanceField", "Motion", "NavigableSurface"]
 Array = NDArray[np.float64]
 Place = tuple[tuple[float, float], int]
 """(x, y) in columns, and the cell there."""
-
-
-@dataclass(frozen=True, eq=False)
-class Motion:
-    """The outcome of a forward move.
-
-    Attributes:
-        position: (3,) where the agent ended.
-        collided: Whether an obstacle cut the move short.
-    """
-
-    position: NDArray[np.float64]
-    collided: bool
 
 
 class DistanceField:

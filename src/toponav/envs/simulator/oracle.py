@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from toponav.categories import canonical
-from toponav.envs.simulator.navigation import DistanceField, NavigableSurface
 from toponav.envs.simulator.raycaster import RayCaster
 from toponav.envs.simulator.viewpoints import viewpoints
+from toponav.envs.surface import Distances, Surface
 from toponav.scenes.mesh import Scene
 from toponav.types import STRUCTURE_CATEGORIES, SemanticFrame
 
@@ -29,16 +29,14 @@ class Episode(Protocol):
 class SceneOracle:
     """Answers from the scene's geometry; viewpoints and distances are computed once a category."""
 
-    def __init__(
-        self, scene: Scene, surface: NavigableSurface, caster: RayCaster, episode: Episode
-    ) -> None:
+    def __init__(self, scene: Scene, surface: Surface, caster: RayCaster, episode: Episode) -> None:
         """Know the scene; `episode` is where the agent's state is read."""
         self._scene = scene
         self._surface = surface
         self._caster = caster
         self._episode = episode
         self._viewpoints = dict(scene.viewpoints)
-        self._fields: dict[str, DistanceField] = {}
+        self._fields: dict[str, Distances] = {}
         self._categories: tuple[str, ...] | None = None
 
     @property
@@ -67,6 +65,10 @@ class SceneOracle:
             found = viewpoints(self._surface, self._caster, self._scene.mesh, ids)
             self._viewpoints[name] = found
         return self._viewpoints[name]
+
+    def instance_viewpoints(self, instance: int) -> NDArray[np.float64]:
+        """(N, 3) viewpoints of one instance, found from the scene's geometry."""
+        return viewpoints(self._surface, self._caster, self._scene.mesh, [instance])
 
     def distance_to_goal(self) -> float:
         """DTG: geodesic distance from the agent to the nearest viewpoint, metres; may be inf."""

@@ -40,6 +40,14 @@ class RenderedFrame:
     instance_ids: NDArray[np.int32]
 
 
+class CameraRenderer(Protocol):
+    """Renders one scene from any pose."""
+
+    def render(self, world_from_camera: Pose, intrinsics: Intrinsics) -> RenderedFrame:
+        """The scene as a camera sees it; the optical axis is the camera's +z."""
+        ...
+
+
 class Renderer:
     """Renders one scene: which triangle a pixel sees first, its colour and depth then."""
 
@@ -89,6 +97,7 @@ def _pack(mesh: SceneMesh) -> Surfaces:
         texels=np.concatenate([texture.reshape(-1, 3) for texture in textures]),
         offset=np.concatenate([[0], end[:-1]]),
         size=size,
+        lit=mesh.lit,
     )
 
 

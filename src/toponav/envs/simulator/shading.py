@@ -56,6 +56,7 @@ class Surfaces(NamedTuple):
         texels: (T, 3) uint8, row by row, material after material.
         offset: (M,) first texel of each material.
         size: (M, 2) its rows and columns.
+        lit: Whether they are lit; else their colours are shown as they are.
     """
 
     vertices: NDArray[np.float64]
@@ -68,6 +69,7 @@ class Surfaces(NamedTuple):
     texels: NDArray[np.uint8]
     offset: NDArray[np.int64]
     size: NDArray[np.int64]
+    lit: bool
 
 
 class Images(NamedTuple):
@@ -119,9 +121,11 @@ def shade(view: View, surfaces: Surfaces, images: Images) -> None:
             images.instance_ids[v, u] = surfaces.instance[f]
             x = (u - cx) / fx
             ray_length = np.sqrt(x * x + y * y + 1.0)
-            facing = facet.eye_distance * inverse_depth / ray_length
-            light = facet.light + HEADLIGHT * facing
-            light *= max(0.5, 1.0 - FALLOFF_PER_M * depth * ray_length)
+            light = 1.0
+            if surfaces.lit:
+                facing = facet.eye_distance * inverse_depth / ray_length
+                light = facet.light + HEADLIGHT * facing
+                light *= max(0.5, 1.0 - FALLOFF_PER_M * depth * ray_length)
             b, c = dot(facet.second, pixel) / along, dot(facet.third, pixel) / along
             red, green, blue = _albedo(surfaces, f, b, c)
             images.rgb[v, u, 0] = min(255, int(light * red + 0.5))

@@ -74,11 +74,11 @@ def build_span_graph(field: Heightfield, body: AgentBody) -> SpanGraph:
     )
     climb = body.max_climb + HEIGHT_TOLERANCE_M
     graph = graph._replace(links=_link(graph, climb, body.height - HEIGHT_TOLERANCE_M))
-    graph = _subset(graph, ~_too_steep(graph, climb))
-    graph = _subset(graph, _clearance(graph, body.radius) > body.radius)
+    graph = subset(graph, ~_too_steep(graph, climb))
+    graph = subset(graph, _clearance(graph, body.radius) > body.radius)
     island = _components(graph.links)
     large = np.bincount(island) * body.cell_size**2 >= MIN_ISLAND_AREA_M2
-    graph = _subset(graph, large[island])
+    graph = subset(graph, large[island])
     return graph._replace(island=_components(graph.links))
 
 
@@ -136,7 +136,7 @@ def _clearance(graph, limit):  # type: ignore[no-untyped-def]
     return np.sqrt(squared) * graph.cell_size
 
 
-def _subset(graph: SpanGraph, keep: NDArray[np.bool_]) -> SpanGraph:
+def subset(graph: SpanGraph, keep: NDArray[np.bool_]) -> SpanGraph:
     """The same graph with fewer cells."""
     new_index = np.append(np.where(keep, np.cumsum(keep) - 1, -1), -1)
     kept_before = np.append(0, np.cumsum(keep))

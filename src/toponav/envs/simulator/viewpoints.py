@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from toponav.envs.simulator.navigation import NavigableSurface
 from toponav.envs.simulator.raycaster import RayCaster
+from toponav.envs.surface import Surface
 from toponav.scenes.mesh import SceneMesh
 
 GRID_M = 0.085
@@ -30,7 +30,7 @@ FIRST_GLANCE = 8
 
 
 def viewpoints(
-    surface: NavigableSurface,
+    surface: Surface,
     caster: RayCaster,
     mesh: SceneMesh,
     instance_ids: Sequence[int],
@@ -53,7 +53,7 @@ def viewpoints(
 
 
 def _of_instance(
-    surface: NavigableSurface, caster: RayCaster, mesh: SceneMesh, instance: int, eye_m: float
+    surface: Surface, caster: RayCaster, mesh: SceneMesh, instance: int, eye_m: float
 ) -> NDArray[np.float64]:
     """(N, 3) viewpoints of one instance."""
     faces = mesh.faces[mesh.face_instance == instance]
@@ -75,7 +75,7 @@ def _of_instance(
     return candidates[seen]
 
 
-def _candidates(surface: NavigableSurface, samples: NDArray[np.float64]) -> NDArray[np.float64]:
+def _candidates(surface: Surface, samples: NDArray[np.float64]) -> NDArray[np.float64]:
     """(N, 3) grid points of the main island near the samples, on the object's own storey."""
     low, high = samples.min(axis=0), samples.max(axis=0)
     first = np.floor((low[:2] - REACH_M) / GRID_M)

@@ -46,12 +46,16 @@ class Run:
         env = self.config.get("env", {})
         camera = f"{env.get('width', '?')} x {env.get('height', '?')}"
         noise = "noise" if _any_set(env.get("noise", {})) else "no noise"
+        backend = self.config.get("backend", "embedded")
+        oracle_follower = self.config.get("follower", "map") == "oracle"
         parts = (
             f"{self.config.get('method', '?')} (preset {self.config.get('preset', '?')})",
             f"detector {self.config.get('detector', '?')}",
             f"reasoner {self.config.get('reasoner', '?')}",
             f"camera {camera}", noise, f"{env.get('max_steps', '?')} steps",
             f"seed {self.config.get('seed', '?')}",
+            *((f"backend {backend}",) if backend != "embedded" else ()),
+            *(("FOLLOWER ORACLE: walks on the simulator's navmesh",) if oracle_follower else ()),
         )  # fmt: skip
         return ", ".join(parts)
 
