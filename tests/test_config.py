@@ -121,7 +121,7 @@ def test_overrides_change_what_they_name_and_nothing_else() -> None:
     ("key", "value", "says"),
     [
         ("navigator.nonsense", "1", "known here: affordances, counsel, decide_on_sight"),
-        ("nonsense.memory.d_merge", "1", "known here: detector, env"),
+        ("nonsense.memory.d_merge", "1", "known here: backend, detector"),
         ("navigator.memory.d_merge.deeper", "1", "unknown configuration key"),
         ("seed", "many", "seed: "),
     ],

@@ -21,7 +21,7 @@ from toponav.evaluation.run_config import RunConfig, run_config
 from toponav.geometry import Intrinsics, Pose
 from toponav.geometry.conventions import BODY_FROM_OPTICAL
 from toponav.methods import AgentContext, methods
-from toponav.perception import DetectorContext, detectors
+from toponav.perception import DetectorContext, check_detector, make_detector
 from toponav.perception.base import Detector
 from toponav.reasoning import ReasonerContext, reasoners
 from toponav.types import Action, Agent, Instance, Observation, SemanticFrame
@@ -77,7 +77,7 @@ class ChallengeAgent:
         methods.get(self._config.method)
         reasoners.get(self._config.reasoner)
         if isinstance(detector, str):
-            detectors.get(detector)
+            check_detector(detector)
 
     def reset(self) -> None:
         """Begin the next episode; its goal is in its first observations."""
@@ -113,7 +113,7 @@ class ChallengeAgent:
         detector = self._detector
         if isinstance(detector, str):
             context = DetectorContext(config.perception, self._sight, seed)
-            detector = detectors.get(detector)(context)
+            detector = make_detector(detector, context)
         reasoner = reasoners.get(config.reasoner)(
             ReasonerContext(config=config.reasoning, seed=seed)
         )
