@@ -1,6 +1,6 @@
 """Draw what three detectors see in photographs: docs/images/detectors.jpg.
 
-    python docs/make_detector_sheet.py PHOTOS_FOLDER MODEL.onnx ...
+Run as ``python docs/make_detector_sheet.py PHOTOS_FOLDER MODEL.onnx ...``.
 """
 
 from __future__ import annotations
