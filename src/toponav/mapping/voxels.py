@@ -77,6 +77,32 @@ class VoxelArrays(NamedTuple):
     sizes: NDArray[np.int64]
 
 
+class VoxelSums(NamedTuple):
+    """Sums of points by voxel, to be added to a cloud; a voxel may come up more than once.
+
+    Attributes:
+        keys: (N,) int64 packed key of the voxel.
+        offset_sums: (N, 3) float64, as in `VoxelArrays`.
+        color_sums: (N, 3) uint32.
+        counts: (N,) int32 points summed.
+    """
+
+    keys: NDArray[np.int64]
+    offset_sums: NDArray[np.float64]
+    color_sums: NDArray[np.uint32]
+    counts: NDArray[np.int32]
+
+    @classmethod
+    def empty(cls, room: int) -> VoxelSums:
+        """Room for so many sums, yet to be written."""
+        return cls(
+            np.empty(room, np.int64),
+            np.empty((room, 3), np.float64),
+            np.empty((room, 3), np.uint32),
+            np.empty(room, np.int32),
+        )
+
+
 PER_SLOT = tuple(name for name in VoxelArrays._fields if name not in ("table", "sizes"))
 """The arrays of `VoxelArrays` that have an entry a slot."""
 
@@ -165,6 +191,11 @@ class VoxelCloud:
         while start < len(xyz):
             self.reserve(min(len(xyz) - start, INITIAL_CAPACITY))
             start = _add_points(self._arrays, self.resolution, xyz, rgb, start)
+
+    def add_sums(self, sums: VoxelSums) -> None:
+        """Add points that are summed already, with keys as `pack_key` makes them."""
+        self.reserve(len(sums.keys))
+        _add_sums(self._arrays, sums)
 
     def refresh(self) -> NDArray[np.int32]:
         """Bring the centroids of the touched voxels up to date.
@@ -328,6 +359,18 @@ def _add_points(
             for channel in range(3):
                 color_sums[slot, channel] += colors[index, channel]
     return stop
+
+
+@njit(cache=True)
+def _add_sums(arrays: VoxelArrays, sums: VoxelSums) -> None:
+    table, keys, offset_sums, color_sums, counts, _, _, touched, is_touched, sizes = arrays
+    for index in range(sums.keys.size):
+        slot = claim_slot(table, keys, touched, is_touched, sizes, sums.keys[index])
+        if counts[slot] + sums.counts[index] <= SETTLED_COUNT:
+            counts[slot] += sums.counts[index]
+            for axis in range(3):
+                offset_sums[slot, axis] += sums.offset_sums[index, axis]
+                color_sums[slot, axis] += sums.color_sums[index, axis]
 
 
 @njit(cache=True)
