@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Sequence
 from typing import Annotated
@@ -55,6 +56,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _report(error, BAD_USAGE)
     except TopoNavError as error:
         return _report(error, FAILED_RUN)
+    except BrokenPipeError:
+        raise
     except OSError as error:
         where = f" {error.filename}" if error.filename else ""
         return _report(f"cannot read or write{where}: {error.strerror or error}", FAILED_RUN)
@@ -82,4 +85,11 @@ def _report(error: object, exit_code: int) -> int:
 
 def entry_point() -> None:
     """The `toponav` console script."""
-    sys.exit(main())
+    try:
+        code = main()
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # Whoever reads, `head` perhaps, has seen enough; what Python flushes at its end goes nowhere.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        code = OK
+    sys.exit(code)

@@ -92,7 +92,7 @@ class FrameScatter:
         top, left, bottom, right = box
         room = VoxelSums.empty((bottom - top) * (right - left))
         found = _sum_voxels(frame, window, counted, box, cloud.resolution, room)
-        cloud.add_sums(VoxelSums(*(array[:found] for array in room)))
+        cloud.add_sums(room.first(found))
 
     def columns_seen_through(
         self, plane_z: float, depth_below_m: float, resolution: float
@@ -255,7 +255,7 @@ def _find_runs(row: _Row) -> int:
     runs = 0
     for u in range(width):
         starts[runs] = u
-        runs += np.int64(breaks[u])
+        runs += int(breaks[u])
     starts[runs] = width
     return runs
 

@@ -102,6 +102,11 @@ class VoxelSums(NamedTuple):
             np.empty(room, np.int32),
         )
 
+    def first(self, found: int) -> VoxelSums:
+        """The first so many of them."""
+        keys, offset_sums, color_sums, counts = self
+        return VoxelSums(keys[:found], offset_sums[:found], color_sums[:found], counts[:found])
+
 
 PER_SLOT = tuple(name for name in VoxelArrays._fields if name not in ("table", "sizes"))
 """The arrays of `VoxelArrays` that have an entry a slot."""
