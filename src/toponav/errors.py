@@ -39,6 +39,10 @@ class ObservationError(InputError):
     """An observation breaks its contract (shapes, types, NaN or infinite depth, ...)."""
 
 
+class StaleViewError(TopoNavError):
+    """A cloud of a map was first looked at after the map had gone on."""
+
+
 class MissingExtraError(InputError):
     """An optional dependency is not installed; the message names the extra that brings it."""
 

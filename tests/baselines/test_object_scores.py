@@ -50,7 +50,7 @@ def test_what_has_no_depth_within_the_map_has_no_place(depth_m: float) -> None:
     np.testing.assert_array_equal(scores.within_radius([(2.0, 0.0)], 9.0, floor=0), [[0.0]])
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(
     frames=st.lists(
         st.tuples(

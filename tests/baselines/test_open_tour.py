@@ -18,7 +18,7 @@ def scattered(seed: int, places: int) -> tuple[np.ndarray, np.ndarray]:
     return length[0, 1:], length[1:, 1:]
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(seed=st.integers(0, 10_000), places=st.integers(1, 6))
 def test_small_tours_are_as_short_as_the_best_permutation(seed: int, places: int) -> None:
     start, between = scattered(seed, places)

@@ -101,7 +101,7 @@ def configured() -> Iterator[ReasoningConfig]:
 
 @pytest.mark.parametrize("name", reasoners.names())
 @given(query=queries)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_answers_are_valid_and_repeatable(
     configured: ReasoningConfig, name: str, query: Query
 ) -> None:

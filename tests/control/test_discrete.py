@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from toponav.control.discrete import DiscreteFollower, FollowerConfig
@@ -35,7 +35,6 @@ def never(heading: float) -> bool:
     return False
 
 
-@settings(deadline=None)
 @given(st.floats(-math.pi, math.pi), st.floats(-math.pi, math.pi))
 def test_in_the_open_it_turns_the_shorter_way_to_the_goal(yaw: float, bearing: float) -> None:
     goal = (4.0 * math.cos(bearing), 4.0 * math.sin(bearing))
@@ -84,7 +83,6 @@ def test_it_stays_inside_the_map() -> None:
     assert FOLLOWER.next_action(edge, field, never) in (Action.TURN_LEFT, Action.TURN_RIGHT)
 
 
-@settings(deadline=None)
 @given(
     st.floats(-math.pi, math.pi), st.tuples(st.floats(-4, 4), st.floats(-4, 4)), st.integers(0, 99)
 )
@@ -107,7 +105,6 @@ def test_turning_in_place_ends_within_half_a_turn(
     assert len(set(turns)) <= 1
 
 
-@settings(deadline=None)
 @given(st.floats(-math.pi, math.pi), st.floats(-math.pi, math.pi))
 def test_facing_a_point_takes_the_fewest_turns(yaw: float, bearing: float) -> None:
     point = np.array([math.cos(bearing), math.sin(bearing), 1.0])

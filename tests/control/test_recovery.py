@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from toponav.control.planner import CostField, Planner, PlannerConfig
@@ -143,7 +143,6 @@ def calls_until_stalled(monitor: ProgressMonitor, xs: list[float], field: CostFi
     return None
 
 
-@settings(deadline=None)
 @given(st.integers(0, 6), st.integers(0, 29))
 def test_a_step_after_every_few_turns_is_progress(turns: int, phase: int) -> None:
     monitor, field = ProgressMonitor(CONFIG), corridor()

@@ -72,7 +72,7 @@ def test_the_path_through_an_l_shaped_corridor_touches_its_inner_corner() -> Non
 place = st.tuples(st.floats(0.0, 2.999), st.floats(0.0, 2.999), st.just(0.0))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(place, place)
 def test_distances_on_open_floor_are_euclidean(start: tuple, goal: tuple) -> None:
     found = surface_of(np.ones((60, 60), np.bool_)).geodesic_distance(start, goal)
@@ -152,7 +152,7 @@ def first_block(free: np.ndarray, start: np.ndarray, yaw: float, distance: float
     return float(along[np.argmax(blocked)]) if blocked.any() else math.inf
 
 
-@settings(max_examples=120, deadline=None)
+@settings(max_examples=120)
 @given(st.integers(0, 100_000), st.floats(-math.pi, math.pi), st.floats(0.05, 1.5))
 def test_moves_end_where_the_line_first_leaves_the_cells(
     seed: int, yaw: float, distance: float
@@ -173,7 +173,7 @@ def test_moves_end_where_the_line_first_leaves_the_cells(
         assert limit == math.inf
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(
     seed=st.integers(0, 1000),
     quarters=st.tuples(st.integers(0, 96), st.integers(0, 96)),

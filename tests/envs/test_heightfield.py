@@ -47,7 +47,7 @@ box = st.tuples(
 )
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(st.lists(box, min_size=1, max_size=5))
 def test_the_agents_cylinder_keeps_clear_of_boxes(placed: list[tuple]) -> None:
     extra = [("box", ((x, y, 0.0), (x + w, y + d, 1.5))) for x, y, w, d in placed]
@@ -67,7 +67,7 @@ def test_the_agents_cylinder_keeps_clear_of_boxes(placed: list[tuple]) -> None:
         assert not len(blocked)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(st.floats(-1.2, 1.2), st.floats(2.0, 4.0))
 def test_a_wall_without_thickness_stops_the_agent_at_any_angle(slant: float, x: float) -> None:
     dx = 2.0 * math.tan(slant) / 2.0

@@ -103,7 +103,7 @@ def test_distances_are_symmetric_and_obey_the_triangle_inequality(
         assert ab >= math.dist(a, b) - 1e-6
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(st.integers(0, 10_000), st.floats(-math.pi, math.pi), st.floats(0.01, 3.0))
 def test_a_move_stays_on_its_line_and_on_the_surface(
     surface: NavigableSurface, seed: int, yaw: float, distance: float

@@ -92,7 +92,7 @@ def test_fewer_than_two_values_have_no_interval(values: tuple[float, ...]) -> No
 
 
 @given(st.lists(st.floats(-100.0, 100.0), min_size=2, max_size=30))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_an_interval_lies_between_the_least_and_the_greatest_value(values: list[float]) -> None:
     (estimate,) = mean_estimates(column(*values), ["s"] * len(values), Resampling(resamples=100))
     assert estimate.interval is not None

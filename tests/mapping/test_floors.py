@@ -1,9 +1,11 @@
 """Several floors: when one begins, what belongs to it, and that the others stay as they were."""
 
 import numpy as np
+import pytest
 from map_frames import detections_of, floor_depth, nothing_seen, observe
 from map_reference import voxels_of
 
+from toponav.errors import StaleViewError
 from toponav.mapping.semantic_map import SemanticMap
 from toponav.mapping.view import FREE, MapView
 from toponav.types import Observation
@@ -61,14 +63,13 @@ def test_walls_at_foot_height_are_no_ground() -> None:
 def test_a_known_floor_is_entered_again_with_its_index_and_its_map() -> None:
     semantic_map = climbed(standing(0.0))
     ground = semantic_map.view()
+    floor, obstacles = set(voxels_of(ground.navigable.points, 0.05)), len(ground.obstacles)
     for observation in (standing(STOREY, x=8.0), blind(1.6), blind(1.4), blind(0.02)):
         semantic_map.integrate(observation, nothing_seen(observation))
     back = semantic_map.view()
     assert (back.floor, back.floor_z) == (0, 0.0)
-    assert set(voxels_of(ground.navigable.points, 0.05)) <= set(
-        voxels_of(back.navigable.points, 0.05)
-    )
-    assert len(back.obstacles) == len(ground.obstacles)
+    assert floor <= set(voxels_of(back.navigable.points, 0.05))
+    assert len(back.obstacles) == obstacles
     assert len(back.scene) > len(ground.scene)
 
 
@@ -145,3 +146,14 @@ def test_stairs_belong_to_the_floors_that_they_join() -> None:
     semantic_map.integrate(third, nothing_seen(third))
     assert semantic_map.view().floor == 2
     assert not stairs & set(voxels_of(semantic_map.view().navigable.points, 0.05))
+
+
+def test_a_cloud_first_looked_at_too_late_says_so() -> None:
+    semantic_map = climbed(standing(0.0))
+    late, early = semantic_map.view(), len(semantic_map.view().obstacles)
+    assert len(late.obstacles) == early
+    observation = standing(0.0, yaw=np.pi / 2)
+    semantic_map.integrate(observation, nothing_seen(observation))
+    assert len(late.obstacles) == early
+    with pytest.raises(StaleViewError, match="before its next frame"):
+        len(late.navigable)

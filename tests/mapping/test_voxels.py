@@ -27,7 +27,7 @@ def assert_equal_clouds(cloud: VoxelCloud, reference: ReferenceCloud) -> None:
     assert np.abs(result.colors - reference.mean_colors()).max(initial=0.0) <= 0.5
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.integers(0, 2**32 - 1), st.integers(1, 5), st.floats(0.01, 30.0))
 def test_batches_give_the_centroids_of_all_points(seed: int, batches: int, spread: float) -> None:
     rng = np.random.default_rng(seed)

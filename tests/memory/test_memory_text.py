@@ -78,7 +78,7 @@ names = st.text(max_size=60)
     st.integers(1500, 4000),
     st.frozensets(st.sampled_from(NodeAttribute)),
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_no_names_can_break_the_lines_or_the_budget(places, max_nodes, max_characters, shown):
     nodes = [
         NodeView(i, (-1234.5, 1234.5), i % 3, tuple(objects), room, frontiers, 1)

@@ -33,7 +33,7 @@ def test_golden_file(tmp_path):
 
 
 @given(st.lists(st.tuples(coordinate, coordinate, st.text()), max_size=8))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_round_trip(tmp_path_factory, walk):
     builder = MemoryBuilder(MemoryConfig(d_merge=20.0))
     view = make_map()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from policy_maps import make_view
@@ -35,7 +35,6 @@ def brute_force(points: np.ndarray, targets: np.ndarray) -> np.ndarray:
     return 1.0 - (d - d.min()) / (d.max() - d.min() + EPSILON)
 
 
-@settings(deadline=None)
 @given(clouds(), clouds())
 def test_the_normalized_affordance_is_the_papers(points: np.ndarray, targets: np.ndarray) -> None:
     # Nearly equal distances divide rounding errors by epsilon, hence the absolute tolerance.
@@ -45,7 +44,6 @@ def test_the_normalized_affordance_is_the_papers(points: np.ndarray, targets: np
     assert got.min() >= 0.0
 
 
-@settings(deadline=None)
 @given(clouds(), clouds())
 def test_a_point_nearer_to_the_targets_is_worth_no_less(
     points: np.ndarray, targets: np.ndarray
@@ -135,7 +133,6 @@ def test_points_near_obstacles_are_zeroed_and_far_ones_kept() -> None:
     assert result.terms["front"][0] == 1.0
 
 
-@settings(deadline=None)
 @given(st.floats(0.0, 0.9), st.floats(0.0, 0.9))
 def test_a_larger_sigma_keeps_no_more_points(a: float, b: float) -> None:
     low, high = sorted((a, b))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from toponav.policy.affordances import Affordances
@@ -20,7 +20,6 @@ def affordances(total: list[float], safe: list[bool] | None = None) -> Affordanc
 rows = st.lists(st.tuples(st.integers(0, 5).map(float), st.booleans(), st.booleans()), max_size=15)
 
 
-@settings(deadline=None)
 @given(rows)
 def test_it_is_the_first_best_of_the_candidates(rows: list[tuple[float, bool, bool]]) -> None:
     given_ = affordances([row[0] for row in rows], [row[1] for row in rows])

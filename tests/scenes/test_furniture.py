@@ -78,7 +78,7 @@ def test_pieces_of_usual_size_are_valid_meshes(category):
         assert len(piece.faces) <= MAX_TRIANGLES
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(
     category=st.sampled_from(CATEGORIES),
     size=st.tuples(LENGTHS, LENGTHS, LENGTHS),

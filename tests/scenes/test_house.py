@@ -243,7 +243,7 @@ def houses(draw):
     return House(name=draw(names), levels=levels, stairs=stairs, episodes=episodes)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(houses())
 def test_round_trip_is_exact(house):
     validate_house(house)

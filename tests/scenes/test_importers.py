@@ -390,7 +390,7 @@ positions = st.floats(-6, 6)
 extents = st.floats(0.3, 7)
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 @given(st.lists(st.tuples(positions, positions, extents, extents), min_size=1, max_size=7))
 def test_any_boxes_become_disjoint_simple_polygons(spans):
     boxes = [
@@ -414,7 +414,7 @@ def test_any_boxes_become_disjoint_simple_polygons(spans):
         assert a.intersection(b).area < 1e-9
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.integers(0, 2**32 - 1))
 def test_simple_rooms_of_random_masks_are_simple(seed):
     rng = np.random.default_rng(seed)

@@ -131,7 +131,7 @@ def test_walls_are_as_high_as_the_higher_of_their_rooms():
     assert rays.hit((6, 1.5, 2.8), (-1, 0, 0)).name == "high/wall"
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(angle=st.floats(0.0, 2 * math.pi), dx=st.floats(-50, 50), dy=st.floats(-50, 50))
 def test_turning_a_house_changes_no_volume_or_area(angle, dx, dy):
     rooms, openings = two_rooms(gap=0.25, width=1.0, height=2.0)

@@ -76,11 +76,7 @@ class TourAgent(FrontierSearch):
         del observation, view
         places = np.stack([cluster.nearest for cluster in clusters])
         planner = Planner(self._config.locomotion.planner)
-        between = np.stack(
-            [planner.cost_field(reach.clearance, place).at(places) for place in places]
-        )
-        # The two ways between places may differ by a rounding, or one start inside a margin.
-        between = np.minimum(between, between.T)
+        between = planner.costs_between(reach.clearance, places)
         first = open_tour(reach.at(places), between)[0]
         return clusters[first].nearest
 

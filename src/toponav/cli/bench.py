@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import tyro
 
-from toponav.cli.options import JsonFlag
+from toponav.cli.options import JsonFlag, WorldOption
 from toponav.errors import InputError
 
 
@@ -50,6 +50,149 @@ class Sim:
             f"navigable surface in {figures['surface_s']:.2f} s"
         )
         Output(self.json).result(line, figures)
+
+
+@dataclass(frozen=True)
+class Map:
+    """What integrating a frame costs, beside a pipeline of the usual kind on the same frames."""
+
+    recording: Annotated[
+        Path | None, tyro.conf.Positional, tyro.conf.arg(metavar="[RECORDING]")
+    ] = None
+    """Folder with posed RGB-D images; by default a tour of a furnished building."""
+
+    world: WorldOption = None
+    """Which way is up in the recording's world; told from the floor when left out."""
+
+    detector: str | None = None
+    """Labels the recording, outside the clock; by default four boxes stand for detections."""
+
+    area: float = 150.0
+    """Square metres of the tour's building."""
+
+    camera: str = "640x480"
+    """Image size of the tour, WIDTHxHEIGHT."""
+
+    preset: Literal["default", "paper"] = "default"
+    """Whose map."""
+
+    open3d: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Time the same frames in a pipeline on Open3D (pip install open3d)."""
+
+    json: JsonFlag = False
+    """Print the figures as one JSON object on stdout."""
+
+    def run(self) -> None:
+        """Time and print."""
+        from toponav.cli.console import Output
+        from toponav.cli.options import image_size
+        from toponav.config import preset
+        from toponav.evaluation.bench_map import bench_map
+        from toponav.evaluation.bench_tour import Tour, recorded_frames
+
+        config = preset(self.preset)
+        if self.recording is None:
+            frames = list(Tour(self.area, *image_size(self.camera)))
+        else:
+            frames = recorded_frames(self.recording, self.world, self.detector, config)
+        figures = bench_map(frames, config.map, with_open3d=self.open3d)
+        Output(self.json).result(_map_line(figures), figures)
+
+
+def _map_line(figures: dict[str, Any]) -> str:
+    width, height = figures["size"]
+    usual = (
+        ""
+        if figures["open3d_ms"] is None
+        else f"Open3D {figures['open3d_ms']:.1f} ms, {figures['open3d_ratio']:.0f} times as long; "
+    )
+    same = "the same voxels as" if figures["equal_to_reference"] else "OTHER VOXELS THAN"
+    return (
+        f"{figures['frames']} frames of {width} x {height} with labels: integrated in "
+        f"{figures['integrate_ms']:.2f} ms (median; 95 % within "
+        f"{figures['integrate_p95_ms']:.2f}), handed out in {figures['view_ms']:.2f} ms; "
+        f"{usual}{figures['voxels']} voxels, {same} a reference in NumPy; one of "
+        f"{figures['cores']} cores"
+    )
+
+
+@dataclass(frozen=True)
+class Decide:
+    """What a whole decision costs, and how much more in a large building."""
+
+    small: float = 100.0
+    """Square metres of the small building."""
+
+    large: float = 1500.0
+    """Square metres of the large building."""
+
+    camera: str = "640x480"
+    """Image size, WIDTHxHEIGHT."""
+
+    decisions: int = 9
+    """Decisions that count in each, the last ones of a tour."""
+
+    preset: Literal["default", "paper"] = "default"
+    """Whose navigator."""
+
+    json: JsonFlag = False
+    """Print the figures as one JSON object on stdout."""
+
+    def run(self) -> None:
+        """Time and print."""
+        from toponav.cli.console import Output
+        from toponav.cli.options import image_size
+        from toponav.config import preset
+        from toponav.evaluation.bench_decide import bench_decide
+
+        size = image_size(self.camera)
+        figures = bench_decide(
+            preset(self.preset), self.small, self.large, size, max(1, self.decisions)
+        )
+        Output(self.json).result(
+            f"a decision, twelve frames of {size[0]} x {size[1]} included: "
+            f"{figures['decide_ms']:.0f} ms in {figures['small_m2']:.0f} m2, "
+            f"{figures['decide_large_ms']:.0f} ms with {figures['large_m2']:.0f} m2 mapped, "
+            f"{figures['decide_growth']:.2f} times",
+            figures,
+        )
+
+
+@dataclass(frozen=True)
+class Memory:
+    """How much memory a map takes, and whether it grows without anything new to see."""
+
+    area: float = 1500.0
+    """Square metres of the building that is mapped."""
+
+    camera: str = "640x480"
+    """Image size, WIDTHxHEIGHT."""
+
+    still: int = 10_000
+    """Frames integrated while standing still at the end."""
+
+    preset: Literal["default", "paper"] = "default"
+    """Whose map."""
+
+    json: JsonFlag = False
+    """Print the figures as one JSON object on stdout."""
+
+    def run(self) -> None:
+        """Measure and print."""
+        from toponav.cli.console import Output
+        from toponav.cli.options import image_size
+        from toponav.config import preset
+        from toponav.evaluation.bench_memory import bench_memory
+
+        size = image_size(self.camera)
+        figures = bench_memory(preset(self.preset).map, self.area, size, self.still)
+        Output(self.json).result(
+            f"{figures['area_m2']:.0f} m2 mapped: {figures['rss_mb']:.0f} MB resident, of them "
+            f"{figures['map_mb']:.1f} MB the map ({figures['map_bytes_per_m2'] / 1e3:.1f} kB a "
+            f"square metre); {figures['rss_growth_mb']:+.1f} MB after {figures['still_frames']} "
+            "frames standing still",
+            figures,
+        )
 
 
 @dataclass(frozen=True)
@@ -211,7 +354,10 @@ class Bench:
     """Print performance figures, each with the command that measures it."""
 
     command: (
-        Annotated[Sim, tyro.conf.subcommand("sim")]
+        Annotated[Map, tyro.conf.subcommand("map")]
+        | Annotated[Decide, tyro.conf.subcommand("decide")]
+        | Annotated[Memory, tyro.conf.subcommand("memory")]
+        | Annotated[Sim, tyro.conf.subcommand("sim")]
         | Annotated[Scale, tyro.conf.subcommand("scale")]
         | Annotated[Habitat, tyro.conf.subcommand("habitat")]
         | Annotated[HabitatLab, tyro.conf.subcommand("habitat-lab")]

@@ -89,7 +89,7 @@ def entry_point() -> None:
         code = main()
         sys.stdout.flush()
     except BrokenPipeError:
-        # Whoever reads, `head` perhaps, has seen enough; what Python flushes at its end goes nowhere.
+        # The reader, `head` perhaps, has seen enough; what is still to be flushed goes nowhere.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         code = OK
     sys.exit(code)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import tyro
 
-from toponav.cli.options import JsonFlag
+from toponav.cli.options import JsonFlag, WorldOption
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class Map:
     recording: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="RECORDING")]
     """Folder of frame-*.color, .depth and .pose files (the 7-Scenes layout)."""
 
-    world: Literal["z-up", "y-up", "y-down"] | None = None
+    world: WorldOption = None
     """Which way the world of the poses points; by default what recording.json says, else told
     from the images."""
 

@@ -14,6 +14,9 @@ from toponav.errors import InputError
 if TYPE_CHECKING:
     from toponav.viz.live.stream import LiveOptions
 
+WorldOption = Literal["z-up", "y-up", "y-down"] | None
+"""Which way a recording's world points up."""
+
 JsonFlag = Annotated[bool, tyro.conf.arg(name="json"), tyro.conf.FlagCreatePairsOff]
 
 QuietFlag = Annotated[bool, tyro.conf.FlagCreatePairsOff]

@@ -16,6 +16,10 @@ from toponav.control.recovery import BumpMemory, ProgressMonitor, RecoveryConfig
 from toponav.mapping.view import OccupancyGrid
 from toponav.types import Action, Observation
 
+NEARBY_M = 5.0
+"""A cost-to-go field is worked out as far as the agent, and for what costs up to this more: the
+follower's steps ahead lie within it, however narrow it is."""
+
 
 class LocomotionConfig(ConfigModel):
     """How the agent walks."""
@@ -54,17 +58,21 @@ class Locomotion:
         self._bumps = BumpMemory(config.recovery)
         self._monitor = ProgressMonitor(config.recovery)
         self._goals = np.zeros((0, 2))
+        self._clearance: Clearance | None = None
         self.progress = Progress.IDLE
 
     def observe(self, observation: Observation) -> None:
         """Learn from the last action; call once a step, before anything else."""
+        self._clearance = None
         if observation.collided:
             self._bumps.add(observation.world_from_base)
 
     def clearance(self, observation: Observation, grid: OccupancyGrid) -> Clearance:
         """Where the agent fits on the map as it is now."""
         here = observation.world_from_base.translation
-        return self._planner.clearance(grid, here, self._bumps.obstacles(grid))
+        if self._clearance is None or self._clearance.grid is not grid:
+            self._clearance = self._planner.clearance(grid, here, self._bumps.obstacles(grid))
+        return self._clearance
 
     def reach(self, observation: Observation, grid: OccupancyGrid) -> CostField:
         """Cost of walking from the agent to every cell of the known free space."""
@@ -120,4 +128,6 @@ class Locomotion:
         return self._follower.face(observation.world_from_base, point_xy)
 
     def _field(self, observation: Observation, grid: OccupancyGrid) -> CostField:
-        return self._planner.cost_field(self.clearance(observation, grid), self._goals)
+        here = observation.world_from_base.translation[None, :2]
+        clearance = self.clearance(observation, grid)
+        return self._planner.cost_field(clearance, self._goals, here, NEARBY_M)

@@ -11,7 +11,7 @@ from pydantic import Field
 from scipy.ndimage import binary_dilation, distance_transform_edt
 
 from toponav.config_model import ConfigModel
-from toponav.control.shortest_paths import NO_PARENT, shortest_paths
+from toponav.control.shortest_paths import EVERYWHERE, NO_PARENT, shortest_paths
 from toponav.mapping.view import DROP, FREE, OCCUPIED, OccupancyGrid
 
 
@@ -172,16 +172,42 @@ class Planner:
         cost = 1.0 + config.clearance_weight * shortfall**2
         return Clearance(grid, distance, fits, cost)
 
-    def cost_field(self, clearance: Clearance, goals_xy: ArrayLike) -> CostField:
-        """Cost-to-go from every cell to the nearest of (N, 2 or 3) goal positions."""
+    def cost_field(
+        self,
+        clearance: Clearance,
+        goals_xy: ArrayLike,
+        wanted_xy: ArrayLike | None = None,
+        margin_m: float = 0.0,
+    ) -> CostField:
+        """Cost-to-go to the nearest of (N, 2 or 3) goal positions.
+
+        Args:
+            clearance: Where the agent fits.
+            goals_xy: What the field leads to.
+            wanted_xy: (W, 2 or 3) where the field will be asked for; by default everywhere. Other
+                places may be left without a cost, which saves most of the work in a large map.
+            margin_m: Places that cost up to this more than any wanted one keep theirs.
+        """
         grid = clearance.grid
         goals = np.atleast_2d(np.asarray(goals_xy, dtype=np.float64))[:, :2]
         kept = [goal for goal in (self._fit(clearance, goal) for goal in goals) if goal is not None]
         fitted = np.asarray(kept, dtype=np.float64).reshape(-1, 2)
-        cost, parent = shortest_paths(
-            clearance.traversable, clearance.step_cost * grid.resolution, grid.index_of(fitted)
-        )
+        until = EVERYWHERE
+        if wanted_xy is not None:
+            wanted = np.atleast_2d(grid.index_of(wanted_xy))
+            until = (wanted, margin_m) if grid.contains(wanted).all() else EVERYWHERE
+        step_cost = clearance.step_cost * grid.resolution
+        goal_cells = grid.index_of(fitted)
+        cost, parent = shortest_paths(clearance.traversable, step_cost, goal_cells, until)
         return CostField(clearance, fitted, cost, parent)
+
+    def costs_between(
+        self, clearance: Clearance, places: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """(N, N) costs of the ways between (N, 2 or 3) places; infinite without one."""
+        between = [self.cost_field(clearance, place, places).at(places) for place in places]
+        # The two ways between places may differ by a rounding, or one start inside a margin.
+        return np.minimum(between, np.transpose(between))
 
     def _fit(
         self, clearance: Clearance, goal_xy: NDArray[np.float64]

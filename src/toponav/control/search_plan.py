@@ -15,6 +15,7 @@ from toponav.config_model import ConfigModel
 from toponav.control.expected_arrival import MAX_PLACES, soonest_order
 from toponav.control.frontier_clusters import FrontierCluster
 from toponav.control.planner import CostField, Planner
+from toponav.geometry.neighbourhoods import Neighbourhoods
 from toponav.mapping.unknown_area import unknown_area_m2
 from toponav.mapping.view import MapView
 from toponav.policy.decision import WeighedFrontier
@@ -26,6 +27,9 @@ TREAD_M = 0.15
 
 LANDING_M = 0.5
 """The next floor is no nearer than two treads."""
+
+STOREY_M = (-0.3, 2.5)
+"""Heights over the floor between which things are on this storey."""
 
 GLIMPSED = "the target"
 """Speaks for a frontier that leads to where the target was seen."""
@@ -111,7 +115,11 @@ def ranked_frontiers(
         config: Weights.
     """
     frontiers, stairs = places
-    weighed = [_weigh(frontier, belief, view, config) for frontier in frontiers]
+    objects = _objects_near(frontiers, belief, view, config)
+    weighed = [
+        _weigh(frontier, near, belief, view, config)
+        for frontier, near in zip(frontiers, objects, strict=True)
+    ]
     for glimpse in belief.glimpses if frontiers else ():
         k = _leading_to(glimpse.place[None], frontiers)
         promise = weighed[k].promise + config.glimpse * glimpse.score
@@ -122,8 +130,7 @@ def ranked_frontiers(
     by_promise = np.argsort(-chance / (cost + 1.0), kind="stable")
     kept, rest = by_promise[: config.places], by_promise[config.places :]
     stands = np.stack([weighed[k].waypoint for k in kept])
-    between = np.stack([planner.cost_field(reach.clearance, p).at(stands) for p in stands[:, :2]])
-    between = np.minimum(between, between.T)
+    between = planner.costs_between(reach.clearance, stands)
     between[~np.isfinite(between)] = UNREACHABLE_M
     order = soonest_order(cost[kept], between, chance[kept])
     ranked = [replace(weighed[kept[place]], rank=rank) for rank, place in enumerate(order)]
@@ -170,20 +177,37 @@ def _leading_to(points: NDArray[np.floating], clusters: Sequence[FrontierCluster
     return min(range(len(clusters)), key=way)
 
 
+def _objects_near(
+    clusters: Sequence[FrontierCluster], belief: Belief, view: MapView, config: SearchPlanConfig
+) -> list[dict[str, float]]:
+    """For each frontier: how far off those categories are that are near it on this storey."""
+    near: list[dict[str, float]] = [{} for _ in clusters]
+    waypoints = np.array([cluster.nearest[:2] for cluster in clusters]).reshape(-1, 2)
+    around = Neighbourhoods(waypoints, config.seen_radius_m)
+    storey = (view.floor_z + STOREY_M[0], view.floor_z + STOREY_M[1])
+    for category in belief.affinity:
+        distances = around.near(view.objects[category].points, storey).distances
+        for k in np.flatnonzero(np.isfinite(distances)):
+            near[k][category] = float(distances[k])
+    return near
+
+
 def _weigh(
-    cluster: FrontierCluster, belief: Belief, view: MapView, config: SearchPlanConfig
+    cluster: FrontierCluster,
+    objects: Mapping[str, float],
+    belief: Belief,
+    view: MapView,
+    config: SearchPlanConfig,
 ) -> WeighedFrontier:
     """What a frontier of this floor promises, and why."""
     cells = np.clip(view.grid.index_of(cluster.cells), 0, np.array(view.grid.cells.shape) - 1)
     area = unknown_area_m2(view.grid, cells, config.unknown_reach_m)
     unseen = 1.0 - math.exp(-area / config.unknown_half_m2)
     likelihood, speaks = config.base_likelihood, ""
-    for category, affinity in belief.affinity.items():
-        distance = _distance_to(category, cluster, view)
-        if distance <= config.seen_radius_m:
-            nearness = 1.0 / (1.0 + (distance / config.seen_half_m) ** 2)
-            if affinity * nearness > likelihood:
-                likelihood, speaks = affinity * nearness, category
+    for category, distance in objects.items():
+        nearness = 1.0 / (1.0 + (distance / config.seen_half_m) ** 2)
+        if belief.affinity[category] * nearness > likelihood:
+            likelihood, speaks = belief.affinity[category] * nearness, category
     guided = _holds_any(cluster, belief.guided)
     weight = config.guided_node if guided else 1.0
     return WeighedFrontier(
@@ -222,16 +246,6 @@ def is_on_stairs(cluster: FrontierCluster, view: MapView) -> bool:
         return False
     i, j = view.grid.index_of(cluster.nearest)
     return bool(np.abs(view.grid.stairs[i, j]) >= TREAD_M)  # NaN, no stair, is not
-
-
-def _distance_to(category: str, cluster: FrontierCluster, view: MapView) -> float:
-    """From a frontier's waypoint to the nearest point of a category on this storey, metres."""
-    points = view.objects[category].points
-    height = points[:, 2] - view.floor_z
-    on_storey = points[(height > -0.3) & (height < 2.5), :2]
-    if not len(on_storey):
-        return math.inf
-    return float(np.hypot(*(on_storey - cluster.nearest[:2]).T).min())
 
 
 def _holds_any(cluster: FrontierCluster, points: NDArray[np.float64]) -> bool:

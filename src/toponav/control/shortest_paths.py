@@ -1,8 +1,12 @@
-"""Dijkstra's algorithm on a grid of 16 neighbours: costs to the nearest seed, and the way there."""
+"""Dijkstra's algorithm on a grid of 16 neighbours: costs to the nearest seed, and the way there.
+
+Cells wait in buckets no wider than the cheapest move, so that all cells of one bucket are settled
+when their turn comes, in any order (Dial's method): several times faster than a heap.
+"""
 
 from __future__ import annotations
 
-import heapq
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -20,6 +24,9 @@ NEIGHBOURS = np.array(
 STRAIGHT_MOVES = 4
 """The first so many of `NEIGHBOURS` pass no other cell."""
 
+LENGTHS = np.sqrt((NEIGHBOURS**2).sum(axis=1).astype(np.float64))
+"""Of the moves, in cells."""
+
 NO_PARENT = -1
 """The parent of seeds and of cells without a way."""
 
@@ -34,19 +41,87 @@ def passable(traversable: NDArray[np.bool_], i: int, j: int, di: int, dj: int) -
     return bool(traversable[i + di, j] and traversable[i, j + dj])
 
 
+EVERYWHERE = (np.empty((0, 2), np.int64), 0.0)
+"""A search that ends when there is nothing left to search."""
+
+
+class _Buckets(NamedTuple):
+    """Cells that wait, by cost; a ring, since no move costs more than it spans.
+
+    Attributes:
+        width: Cost that a bucket spans.
+        first: (R,) flat index of a bucket's first cell, or `NONE`.
+        before: (N_x * N_y,) neighbours in the list of the cell's bucket, or `NONE`.
+        after: (N_x * N_y,) likewise.
+    """
+
+    width: float
+    first: NDArray[np.int32]
+    before: NDArray[np.int32]
+    after: NDArray[np.int32]
+
+
+NONE = -1
+"""No cell."""
+
+
+@njit(cache=True)
+def _buckets(traversable: NDArray[np.bool_], cell_cost: NDArray[np.float64]) -> _Buckets:
+    cheapest, dearest = np.inf, 0.0
+    for i in range(traversable.shape[0]):
+        for j in range(traversable.shape[1]):
+            if traversable[i, j]:
+                cheapest = min(cheapest, cell_cost[i, j])
+                dearest = max(dearest, cell_cost[i, j])
+    # A little less than the cheapest move, so that rounding leads to no bucket that has been left.
+    width = 0.999 * cheapest if cheapest < np.inf else 1.0
+    ring = int(LENGTHS.max() * dearest / width) + 3
+    first = np.full(ring, NONE, np.int32)
+    before = np.full(traversable.size, NONE, np.int32)
+    return _Buckets(width, first, before, before.copy())
+
+
+@njit(cache=True)
+def _enter(buckets: _Buckets, cell: int, cost: float) -> None:
+    bucket = int(cost / buckets.width) % buckets.first.size
+    next_cell = buckets.first[bucket]
+    buckets.first[bucket] = cell
+    buckets.before[cell], buckets.after[cell] = NONE, next_cell
+    if next_cell != NONE:
+        buckets.before[next_cell] = cell
+
+
+@njit(cache=True)
+def _leave(buckets: _Buckets, cell: int, cost: float) -> None:
+    before, after = buckets.before[cell], buckets.after[cell]
+    if before == NONE:
+        buckets.first[int(cost / buckets.width) % buckets.first.size] = after
+    else:
+        buckets.after[before] = after
+    if after != NONE:
+        buckets.before[after] = before
+
+
 @njit(cache=True)
 def shortest_paths(
-    traversable: NDArray[np.bool_], cell_cost: NDArray[np.float64], seeds: NDArray[np.int64]
+    traversable: NDArray[np.bool_],
+    cell_cost: NDArray[np.float64],
+    seeds: NDArray[np.int64],
+    until: tuple[NDArray[np.int64], float],
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Cost from every cell to the nearest seed.
 
-    A move costs its length in cells times the mean cost of its two ends. Cells of equal cost are
-    settled in the order of their index, so the result does not depend on that of the seeds.
+    A move costs its length in cells times the mean cost of its two ends. Of equally cheap ways that
+    over the cheaper neighbour is taken, then that over the one of lower index, so the result does
+    not depend on the order of the seeds.
 
     Args:
         traversable: (N_x, N_y) cells that may be entered.
         cell_cost: (N_x, N_y) positive cost of crossing one cell.
         seeds: (S, 2) indices inside the grid; those not traversable are ignored.
+        until: (W, 2) indices inside the grid, and a margin in units of cost. The search ends when
+            all of these cells and what costs up to the margin more are settled; the rest keeps an
+            infinite cost. With no cell, or one that no way leads to, everything is searched.
 
     Returns:
         (N_x, N_y) costs, infinite without a way, and (N_x, N_y) parents: the flat index of the next
@@ -55,29 +130,75 @@ def shortest_paths(
     rows, columns = traversable.shape
     cost = np.full((rows, columns), np.inf)
     parent = np.full((rows, columns), NO_PARENT, dtype=np.int64)
-    heap = [(0.0, 0)]
-    heap.pop()  # tells numba the type of an empty heap
+    buckets = _buckets(traversable, cell_cost)
+    waiting = 0
     for k in range(len(seeds)):
         i, j = seeds[k]
         if traversable[i, j] and cost[i, j] > 0.0:
             cost[i, j] = 0.0
-            heapq.heappush(heap, (0.0, i * columns + j))
-    while heap:
-        settled, cell = heapq.heappop(heap)
-        i, j = cell // columns, cell % columns
-        if settled > cost[i, j]:
+            _enter(buckets, i * columns + j, 0.0)
+            waiting += 1
+    is_wanted = np.zeros((rows, columns), np.bool_)
+    wanted, margin = until
+    for k in range(len(wanted)):
+        is_wanted[wanted[k, 0], wanted[k, 1]] = True
+    missing, farthest, limit = np.count_nonzero(is_wanted), 0.0, np.inf
+    bucket = 0
+    while waiting > 0 and bucket * buckets.width <= limit:
+        cell = buckets.first[bucket % buckets.first.size]
+        if cell == NONE:
+            bucket += 1
             continue
-        for n in range(len(NEIGHBOURS)):
-            di, dj = NEIGHBOURS[n]
-            a, b = i + di, j + dj
-            if a < 0 or b < 0 or a >= rows or b >= columns or not traversable[a, b]:
-                continue
-            if n >= STRAIGHT_MOVES and not passable(traversable, i, j, di, dj):
-                continue
-            length = np.sqrt(float(di * di + dj * dj))
-            candidate = settled + length * 0.5 * (cell_cost[i, j] + cell_cost[a, b])
-            if candidate < cost[a, b]:
-                cost[a, b] = candidate
-                parent[a, b] = cell
-                heapq.heappush(heap, (candidate, a * columns + b))
+        i, j = cell // columns, cell % columns
+        _leave(buckets, cell, cost[i, j])
+        waiting += _pass_on((traversable, cell_cost), buckets, cost, parent, cell) - 1
+        if is_wanted[i, j]:
+            farthest = max(farthest, cost[i, j])
+            missing -= 1
+            if missing == 0:
+                limit = farthest + margin
+    for i in range(rows):
+        for j in range(columns):
+            if cost[i, j] > limit:
+                cost[i, j], parent[i, j] = np.inf, NO_PARENT
     return cost, parent
+
+
+@njit(cache=True)
+def _pass_on(
+    ground: tuple[NDArray[np.bool_], NDArray[np.float64]],
+    buckets: _Buckets,
+    cost: NDArray[np.float64],
+    parent: NDArray[np.int64],
+    cell: int,
+) -> int:
+    """Offer the ways over a settled cell to its neighbours; returns how many had none before."""
+    traversable, cell_cost = ground
+    rows, columns = traversable.shape
+    i, j = cell // columns, cell % columns
+    settled = cost[i, j]
+    new = 0
+    for n in range(len(NEIGHBOURS)):
+        di, dj = NEIGHBOURS[n]
+        a, b = i + di, j + dj
+        if a < 0 or b < 0 or a >= rows or b >= columns or not traversable[a, b]:
+            continue
+        known = cost[a, b]
+        if known <= settled:
+            continue
+        if n >= STRAIGHT_MOVES and not passable(traversable, i, j, di, dj):
+            continue
+        candidate = settled + LENGTHS[n] * 0.5 * (cell_cost[i, j] + cell_cost[a, b])
+        if candidate < known:
+            if known < np.inf:
+                _leave(buckets, a * columns + b, known)
+            else:
+                new += 1
+            cost[a, b], parent[a, b] = candidate, cell
+            _enter(buckets, a * columns + b, candidate)
+        elif candidate == known:
+            other = parent[a, b]
+            of_other = cost[other // columns, other % columns]
+            if settled < of_other or (settled == of_other and cell < other):
+                parent[a, b] = cell
+    return new

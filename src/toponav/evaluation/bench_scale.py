@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import random
 import time
 from collections import Counter
@@ -23,12 +22,10 @@ from toponav.evaluation.crew import Crew, Outcome, WorkerFactory, attempt
 from toponav.evaluation.evaluate import OnProgress, RunProgress, run_tasks
 from toponav.evaluation.funnel import ERROR
 from toponav.evaluation.journal import EPISODES_FILE
+from toponav.evaluation.process_memory import resident_mb
 from toponav.evaluation.run_config import RunConfig
 from toponav.evaluation.run_folder import RunFolder, RunRequest
 from toponav.evaluation.tasks import SceneOutline, Task, plan
-
-PROCESS_MEMORY = Path("/proc/self/statm")
-"""Where Linux tells of a process's memory, in pages; the second number is what is in RAM."""
 
 SCENES = 20
 """As many as HM3D's first validation split has."""
@@ -165,20 +162,11 @@ class _PeakMemory:
     """How much more memory this process holds than at first, at its peak."""
 
     def __init__(self) -> None:
-        self._first = self._peak = _resident_mb()
+        self._first = self._peak = resident_mb()
 
     def sample(self) -> None:
-        self._peak = max(self._peak, _resident_mb())
+        self._peak = max(self._peak, resident_mb())
 
     @property
     def growth_mb(self) -> float | None:
         return None if math.isnan(self._first) else self._peak - self._first
-
-
-def _resident_mb() -> float:
-    """Memory that this process holds in RAM; NaN where the system does not tell."""
-    try:
-        pages = int(PROCESS_MEMORY.read_text(encoding="ascii").split()[1])
-    except OSError:
-        return math.nan
-    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6

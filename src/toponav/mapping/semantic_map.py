@@ -14,7 +14,7 @@ Where the paper is silent, or where it is departed from:
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 from typing import NamedTuple
@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from toponav.config_model import ConfigModel
-from toponav.errors import ObservationError
+from toponav.errors import ObservationError, StaleViewError
 from toponav.mapping.back_projection import DepthWindow, FrameScatter
 from toponav.mapping.flights import beside_unknown, ends_of_flights, filled_flights
 from toponav.mapping.floors import Floor, FloorLayers
@@ -32,7 +32,14 @@ from toponav.mapping.frontiers import FrontierMap
 from toponav.mapping.ground import height_of, heights_ahead, level_area_m2
 from toponav.mapping.interpolation import Spacing, disc, interpolate
 from toponav.mapping.occupancy import FloorGrid
-from toponav.mapping.view import FREE, FrameUpdate, MapView, OccupancyGrid, PointCloud
+from toponav.mapping.view import (
+    FREE,
+    DeferredCloud,
+    FrameUpdate,
+    MapView,
+    OccupancyGrid,
+    PointCloud,
+)
 from toponav.mapping.voxels import VoxelCloud, columns_of, frozen
 from toponav.types import Detections, Observation
 
@@ -154,6 +161,7 @@ class SemanticMap:
         self._layers = FloorLayers(self._scene, config.delta, config.obstacle_top_m)
         self._floor: Floor | None = None
         self._view: MapView | None = None
+        self._frames = 0
 
     @property
     def nbytes(self) -> int:
@@ -182,6 +190,7 @@ class SemanticMap:
                 f"not {detections.masks.shape[1:]}"
             )
         self._view = None
+        self._frames += 1
         window = DepthWindow(config.min_depth_m, config.max_depth_m, config.pixel_stride)
         frame = FrameScatter(observation, window)
         frame.into(self._scene)
@@ -225,10 +234,7 @@ class SemanticMap:
         return floor
 
     def view(self) -> MapView:
-        """The map on the agent's current floor.
-
-        `scene` and `objects` are views of the live storage: valid until the next `integrate`.
-        """
+        """The map on the agent's current floor; its clouds are valid until the next `integrate`."""
         if self._view is None:
             self._view = self._make_view()
         return self._view
@@ -358,14 +364,25 @@ class SemanticMap:
         return MapView(
             scene=scene,
             objects=MappingProxyType(objects),
-            navigable=self._navigable(floor, scene),
-            obstacles=_rows((scene, self._layers.obstacles(floor))),
+            navigable=self._deferred(lambda: self._navigable(floor, scene)),
+            obstacles=self._deferred(lambda: _rows((scene, self._layers.obstacles(floor)))),
             frontiers=frozen(np.hstack([frontier_xy, frontier_z])),
             frontier_labels=frozen(frontier_labels),
             grid=grid,
             floor_z=floor.z,
             floor=floor.index,
         )
+
+    def _deferred(self, make: Callable[[], PointCloud]) -> PointCloud:
+        """A cloud of the map as it is now, which must be looked at before the next frame."""
+        frames = self._frames
+
+        def make_in_time() -> PointCloud:
+            if self._frames != frames:
+                raise StaleViewError("a map's clouds must be looked at before its next frame")
+            return make()
+
+        return DeferredCloud(make_in_time)
 
     def _grid(self, floor: Floor) -> OccupancyGrid:
         """G, with the heights of the stairs on it.

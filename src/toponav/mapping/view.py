@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,6 +32,34 @@ class PointCloud:
 
     def __len__(self) -> int:
         return len(self.points)
+
+
+class DeferredCloud(PointCloud):
+    """A cloud that is put together when it is first looked at.
+
+    Most steps of an episode never look at M_nav or M_obs, which cost as much as the map is large.
+    """
+
+    def __init__(self, make: Callable[[], PointCloud]) -> None:
+        """Take what puts it together."""
+        object.__setattr__(self, "_make", make)
+
+    @property
+    def points(self) -> NDArray[np.float32]:  # noqa: D102
+        return self._made.points
+
+    @property
+    def colors(self) -> NDArray[np.uint8]:  # noqa: D102
+        return self._made.colors
+
+    @property
+    def counts(self) -> NDArray[np.int32]:  # noqa: D102
+        return self._made.counts
+
+    @cached_property
+    def _made(self) -> PointCloud:
+        made: PointCloud = self._make()  # type: ignore[attr-defined]
+        return made
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +99,9 @@ class OccupancyGrid:
 
 @dataclass(frozen=True, eq=False)
 class MapView:
-    """A read-only snapshot of the map on the agent's current floor.
+    """What the map knows on the agent's current floor, read-only.
+
+    The clouds are looked at before the map takes its next frame; grid and frontiers are copies.
 
     Attributes:
         scene: M_scene, all floors.

@@ -7,9 +7,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
-from scipy.spatial import cKDTree
 
 from toponav.config_model import ConfigModel
+from toponav.geometry.neighbourhoods import Neighbourhoods
 from toponav.mapping.view import MapView
 from toponav.memory.graph import TopologicalMemory
 from toponav.memory.snapshot import UNKNOWN_ROOM, MemorySnapshot, NodeAttribute, NodeView
@@ -201,49 +201,16 @@ class MemoryBuilder:
         low = map_view.floor_z - self._config.below_floor_m
         high = map_view.floor_z + self._config.storey_height_m
         found: list[list[str]] = [[] for _ in nodes]
+        around = Neighbourhoods(positions, self._config.r_topo)
         for category in sorted(map_view.objects):
-            points = map_view.objects[category].points
-            on_floor = points[(points[:, 2] >= low) & (points[:, 2] <= high), :2]
-            present = has_within(
-                on_floor, positions, self._config.r_topo, self._config.min_object_points
-            )
-            for index in np.flatnonzero(present):
+            near = around.near(map_view.objects[category].points, (low, high))
+            for index in np.flatnonzero(near.counts >= self._config.min_object_points):
                 found[index].append(category)
-        frontiers = count_within(map_view.frontiers[:, :2], positions, self._config.r_topo)
+        frontiers = around.near(map_view.frontiers).counts
         for node, objects, frontier_count in zip(nodes, found, frontiers, strict=True):
             self._memory.describe_node(
                 node.id, objects=tuple(objects), frontier_count=int(frontier_count)
             )
-
-
-def count_within(
-    points: NDArray[np.floating], centers: NDArray[np.float64], radius: float
-) -> NDArray[np.int64]:
-    """(K,) numbers of the (N, 2) points strictly nearer than `radius` to each of (K, 2) centers."""
-    if len(points) == 0:
-        return np.zeros(len(centers), np.int64)
-    counts = _tree(points).query_ball_point(centers, np.nextafter(radius, 0.0), return_length=True)
-    return np.asarray(counts, dtype=np.int64)
-
-
-def has_within(
-    points: NDArray[np.floating], centers: NDArray[np.float64], radius: float, count: int
-) -> NDArray[np.bool_]:
-    """(K,) whether `count_within` is at least `count`: the count-th nearest point decides.
-
-    Several times faster than counting where categories have thousands of points.
-    """
-    low, high = centers.min(axis=0) - radius, centers.max(axis=0) + radius
-    near = points[np.all((points > low) & (points < high), axis=1)]
-    if len(near) < count:
-        return np.zeros(len(centers), np.bool_)
-    distances, _ = _tree(near).query(centers, k=[count], distance_upper_bound=radius)
-    return np.asarray(distances[:, 0] < radius)
-
-
-def _tree(points: NDArray[np.floating]) -> cKDTree:
-    # Median splits, tight boxes and small leaves cost more than they save for so few queries.
-    return cKDTree(points, leafsize=64, balanced_tree=False, compact_nodes=False)
 
 
 def _distance(a: NodeView, b: NodeView) -> float:

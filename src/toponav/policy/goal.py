@@ -192,7 +192,10 @@ class GoalTracker:
             eye: The camera, where the view was taken.
             bearing: World yaw of the chosen view, radians.
         """
-        config, obstacles = self.config, view.obstacles.points
+        config = self.config
+        if config.recognition != "reasoner":
+            return
+        obstacles = view.obstacles.points
         offset = obstacles[:, :2] - eye.translation[:2]
         turn = np.arctan2(offset[:, 1], offset[:, 0]) - bearing
         off_axis = np.abs((turn + np.pi) % math.tau - np.pi)

@@ -87,7 +87,7 @@ def test_a_terminal_is_never_overrun_and_no_figure_is_cut(width: int) -> None:
 
 
 @given(names)
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_a_markdown_row_has_as_many_cells_as_the_head(name: str) -> None:
     rows = [line for line in markdown(named(name)).splitlines() if line.startswith("| ")]
     cells = {len(re.findall(r"(?<!\\)(?:\\\\)*\|", row)) for row in rows}
@@ -101,7 +101,7 @@ def test_markdown_by_hand() -> None:
 
 
 @given(names)
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_csv_reads_back(name: str) -> None:
     rows = list(csv.reader(io.StringIO(csv_text(named(name)), newline="")))
     shown = "".join(c if c.isprintable() else " " for c in name)
@@ -118,7 +118,7 @@ def test_csv_has_every_column_and_interval_unrounded() -> None:
 
 
 @given(names)
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_latex_text_is_ascii_or_accented_and_balanced(name: str) -> None:
     text = escaped(name)
     plain = re.sub(r"\\[{}&%$#_`]", "", text).replace("\\text", "")

@@ -27,7 +27,7 @@ results = st.builds(
 
 @pytest.mark.parametrize("kind", KINDS)
 @given(first=st.lists(results, min_size=1, max_size=8), second=st.lists(results, max_size=8))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_groups_are_a_partition_of_every_run(
     kind: GroupKind, first: list[EpisodeResult], second: list[EpisodeResult]
 ) -> None:

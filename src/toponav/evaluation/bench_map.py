@@ -1,0 +1,97 @@
+"""What integrating a frame costs, beside a pipeline of the usual kind on the same frames."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from toponav.evaluation.bench_tour import TourFrame
+from toponav.evaluation.open3d_pipeline import Open3dPipeline
+from toponav.mapping.semantic_map import MapConfig, SemanticMap
+from toponav.mapping.voxels import unpack_keys
+
+WARM_UP_FRAMES = 3
+"""Frames of a map that is thrown away: the first ones compile."""
+
+
+def bench_map(
+    frames: Sequence[TourFrame], config: MapConfig, *, with_open3d: bool
+) -> dict[str, Any]:
+    """Map frames, and time every one.
+
+    Args:
+        frames: At least one.
+        config: Of the map.
+        with_open3d: Whether to time the pipeline of `open3d_pipeline` too, in the same run.
+
+    Returns:
+        `integrate_ms`, the median, and `integrate_p95_ms`; `view_ms` to hand the map out;
+        `open3d_ms` and `open3d_ratio` over `integrate_ms`, None without Open3D; `voxels`, and
+        whether they are `equal_to_reference`: the voxels of all points, found by NumPy; `frames`,
+        `size` and `cores` (of the machine; one is used).
+
+    Raises:
+        MissingExtraError: Open3D is wanted and not installed.
+    """
+    reference = Open3dPipeline(config) if with_open3d else None
+    warm_up = SemanticMap(config)
+    for frame in frames[:WARM_UP_FRAMES]:
+        warm_up.integrate(*frame)
+        warm_up.view()
+    semantic_map = SemanticMap(config)
+    integrate_s, view_s, open3d_s = [], [], []
+    for frame in frames:
+        integrate_s.append(_seconds(partial(semantic_map.integrate, *frame)))
+        view_s.append(_seconds(semantic_map.view))
+        if reference is not None:
+            open3d_s.append(_seconds(partial(reference.integrate, *frame)))
+    integrate_ms = 1e3 * float(np.median(integrate_s))
+    open3d_ms = 1e3 * float(np.median(open3d_s)) if open3d_s else None
+    scene = semantic_map.parts().scene
+    found = unpack_keys(scene.arrays.keys[: len(scene)])
+    return {
+        "frames": len(frames),
+        "size": [frames[0].observation.intrinsics.width, frames[0].observation.intrinsics.height],
+        "integrate_ms": integrate_ms,
+        "integrate_p95_ms": 1e3 * float(np.quantile(integrate_s, 0.95)),
+        "view_ms": 1e3 * float(np.median(view_s)),
+        "open3d_ms": open3d_ms,
+        "open3d_ratio": None if open3d_ms is None else open3d_ms / integrate_ms,
+        "voxels": len(found),
+        "equal_to_reference": _same_rows(found, _voxels_of(frames, config)),
+        "cores": os.cpu_count(),
+    }
+
+
+def _seconds(do: Callable[[], object]) -> float:
+    started = time.perf_counter()
+    do()
+    return time.perf_counter() - started
+
+
+def _voxels_of(frames: Sequence[TourFrame], config: MapConfig) -> NDArray[np.int64]:
+    """(N, 3) indices of the voxels that hold a point of any frame, without our kernels."""
+    found: NDArray[np.int64] = np.empty((0, 3), np.int64)
+    for observation, _ in frames:
+        camera, depth = observation.intrinsics, observation.depth.astype(np.float64)
+        rows, columns = np.nonzero((depth > config.min_depth_m) & (depth < config.max_depth_m))
+        d = depth[rows, columns]
+        ray_x, ray_y = (columns - camera.cx) / camera.fx, (rows - camera.cy) / camera.fy
+        pose = observation.world_from_camera
+        directions = [r[0] * ray_x + (r[1] * ray_y + r[2]) for r in pose.rotation]
+        points = np.stack(
+            [d * u + t for u, t in zip(directions, pose.translation, strict=True)], axis=1
+        )
+        voxels = np.floor(points / config.r_pcd).astype(np.int64)
+        found = np.unique(np.concatenate([found, np.unique(voxels, axis=0)]), axis=0)
+    return found
+
+
+def _same_rows(found: NDArray[np.int64], expected: NDArray[np.int64]) -> bool:
+    return np.array_equal(np.unique(found, axis=0), expected)

@@ -1,0 +1,6 @@
+"""Hypothesis without deadlines: a shared machine may be slow, and the first call compiles."""
+
+from hypothesis import settings
+
+settings.register_profile("toponav")
+settings.load_profile("toponav")
