@@ -67,7 +67,7 @@ def test_centroid_stays_exact_far_from_the_origin_and_over_many_points() -> None
 
 def test_keys_reach_as_far_as_the_cloud() -> None:
     cloud = VoxelCloud(RESOLUTION)
-    reach = cloud.reach
+    reach = reach_m(RESOLUTION)
     points = np.array([[reach - 0.01, -reach + 0.01, 0.0], [-0.01, 0.01, -reach + 0.01]])
     cloud.add(points)
     keys = cloud.arrays.keys[:2]

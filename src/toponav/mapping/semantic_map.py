@@ -25,9 +25,10 @@ from pydantic import Field, model_validator
 
 from toponav.config_model import ConfigModel
 from toponav.errors import ObservationError, StaleViewError
-from toponav.mapping.back_projection import DepthWindow, FrameScatter
+from toponav.mapping.back_projection import PosedFrame
 from toponav.mapping.flights import beside_unknown, ends_of_flights, filled_flights
 from toponav.mapping.floors import Floor, FloorLayers
+from toponav.mapping.frame_sums import MAX_LABELS, DepthWindow
 from toponav.mapping.frontiers import FrontierMap
 from toponav.mapping.ground import height_of, heights_ahead, level_area_m2
 from toponav.mapping.interpolation import Spacing, disc, interpolate
@@ -40,7 +41,7 @@ from toponav.mapping.view import (
     OccupancyGrid,
     PointCloud,
 )
-from toponav.mapping.voxels import VoxelCloud, columns_of, frozen
+from toponav.mapping.voxels import VoxelCloud, VoxelSums, columns_of, frozen
 from toponav.types import Detections, Observation
 
 HALF_WAY_M = 0.5
@@ -192,9 +193,8 @@ class SemanticMap:
         self._view = None
         self._frames += 1
         window = DepthWindow(config.min_depth_m, config.max_depth_m, config.pixel_stride)
-        frame = FrameScatter(observation, window)
-        frame.into(self._scene)
-        labels = self._add_objects(frame, detections)
+        frame = PosedFrame(observation, window)
+        labels = self._add_points(frame, detections)
         touched = self._scene.refresh()
         floor = self._enter_floor(observation, touched)
         self._layers.update(touched)
@@ -239,23 +239,29 @@ class SemanticMap:
             self._view = self._make_view()
         return self._view
 
-    def _add_objects(self, frame: FrameScatter, detections: Detections) -> tuple[str, ...]:
-        """M_obj^(c) of every detected category; returns those with at least one point."""
+    def _add_points(self, frame: PosedFrame, detections: Detections) -> tuple[str, ...]:
+        """M_scene, and M_obj^(c) of every detected category; returns those with a point."""
+        masks = _masks_by_label(detections)
+        labels = tuple(masks)
         seen = []
-        labels = np.array(detections.labels, dtype=np.str_)
-        for label in dict.fromkeys(detections.labels):
-            masks = detections.masks[labels == label]
-            known = self._objects.get(label)
-            cloud = VoxelCloud(self.config.r_pcd) if known is None else known
-            frame.into(cloud, masks[0] if len(masks) == 1 else masks.any(axis=0))
-            touched = cloud.refresh()
-            if not len(touched):
-                continue
-            seen.append(label)
-            self._objects[label] = cloud
-            if label in self.config.navigable_categories:
-                self._layers.mark_stairs(cloud.arrays.keys[touched])
+        for start in range(0, max(1, len(labels)), MAX_LABELS):
+            chunk = labels[start : start + MAX_LABELS]
+            sums = frame.sums(self.config.r_pcd, [masks[label] for label in chunk])
+            if start == 0:
+                self._scene.add_sums(sums.voxels)
+            seen += [label for bit, label in enumerate(chunk) if self._add(label, sums.of(bit))]
         return tuple(seen)
+
+    def _add(self, label: str, sums: VoxelSums) -> bool:
+        """M_obj^(c) of one category; returns whether there was anything to add."""
+        if not len(sums.keys):
+            return False
+        cloud = self._objects.setdefault(label, VoxelCloud(self.config.r_pcd))
+        cloud.add_sums(sums)
+        touched = cloud.refresh()
+        if label in self.config.navigable_categories:
+            self._layers.mark_stairs(cloud.arrays.keys[touched])
+        return True
 
     def _enter_floor(self, observation: Observation, touched: NDArray[np.int32]) -> Floor:
         """The floor that the agent is on: the nearest one, until it stands on another.
@@ -325,7 +331,7 @@ class SemanticMap:
             floor.treads.refresh()
         floor.grid.hold(np.floor(under_foot[:, :2] / self.config.r_pcd).astype(np.int64))
 
-    def _look_below(self, floor: Floor, foot: NDArray[np.float64], frame: FrameScatter) -> None:
+    def _look_below(self, floor: Floor, foot: NDArray[np.float64], frame: PosedFrame) -> None:
         """Where the frame looks below the floor on which the agent stands."""
         config = self.config
         if abs(foot[2] - floor.z) >= config.drop_depth_m:
@@ -412,6 +418,19 @@ class SemanticMap:
         columns = columns_of(floor.bridges.arrays.keys[: len(bridges)])
         gaps = np.flatnonzero(~floor.grid.observed(columns))
         return _rows((scene, self._layers.navigable(floor)), (bridges, gaps))
+
+
+def _masks_by_label(detections: Detections) -> dict[str, NDArray[np.bool_]]:
+    """(H, W) of every category that was detected: where any of its instances is."""
+    instances: dict[str, list[int]] = {}
+    for row, label in enumerate(detections.labels):
+        instances.setdefault(label, []).append(row)
+    return {
+        label: detections.masks[rows[0]]
+        if len(rows) == 1
+        else np.logical_or.reduce(detections.masks[rows])
+        for label, rows in instances.items()
+    }
 
 
 def _rows(*parts: tuple[PointCloud, NDArray[np.int64]]) -> PointCloud:

@@ -92,21 +92,6 @@ class VoxelSums(NamedTuple):
     color_sums: NDArray[np.uint32]
     counts: NDArray[np.int32]
 
-    @classmethod
-    def empty(cls, room: int) -> VoxelSums:
-        """Room for so many sums, yet to be written."""
-        return cls(
-            np.empty(room, np.int64),
-            np.empty((room, 3), np.float64),
-            np.empty((room, 3), np.uint32),
-            np.empty(room, np.int32),
-        )
-
-    def first(self, found: int) -> VoxelSums:
-        """The first so many of them."""
-        keys, offset_sums, color_sums, counts = self
-        return VoxelSums(keys[:found], offset_sums[:found], color_sums[:found], counts[:found])
-
 
 PER_SLOT = tuple(name for name in VoxelArrays._fields if name not in ("table", "sizes"))
 """The arrays of `VoxelArrays` that have an entry a slot."""
@@ -164,11 +149,6 @@ class VoxelCloud:
         """Memory held, bytes."""
         return sum(array.nbytes for array in self._arrays)
 
-    @property
-    def reach(self) -> float:
-        """Largest absolute coordinate that the cloud can hold, metres."""
-        return (AXIS_OFFSET - 1) * self.resolution
-
     def reserve(self, voxels: int) -> None:
         """Make room for that many further voxels; grows the storage when it is too small."""
         needed, capacity = len(self) + voxels, len(self._arrays.keys)
@@ -187,9 +167,10 @@ class VoxelCloud:
         """
         xyz = np.ascontiguousarray(points, dtype=np.float64)
         rgb = np.zeros(xyz.shape, np.uint8) if colors is None else np.ascontiguousarray(colors)
-        if len(xyz) and not np.abs(xyz).max() < self.reach:
+        reach = reach_m(self.resolution)
+        if len(xyz) and not np.abs(xyz).max() < reach:
             raise ObservationError(
-                f"points must be finite and within {self.reach:.0f} m of the map's origin: "
+                f"points must be finite and within {reach:.0f} m of the map's origin: "
                 "move the world frame's origin nearer"
             )
         start = 0
@@ -225,6 +206,11 @@ class VoxelCloud:
             frozen(arrays.colors[:size]),
             frozen(arrays.counts[:size]),
         )
+
+
+def reach_m(resolution: float) -> float:
+    """Largest absolute coordinate that a cloud of such voxels can hold, metres."""
+    return (AXIS_OFFSET - 1) * resolution
 
 
 def frozen(array: NDArray[Scalar]) -> NDArray[Scalar]:

@@ -1,0 +1,317 @@
+"""Eq. (1), eq. (2) and the sums of VoxelDownsample, for a whole frame and its labels in one pass.
+
+Neighbouring pixels mostly fall into the same voxel, so a row is summed run by run, and the runs of
+one voxel are gathered over the rows before the map is looked up; no array of points is ever made.
+A run ends where the labels change too, so that its sums serve M_scene and every M_obj at once. What
+is done to every pixel is in loops without branches, which the compiler turns into vectors.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from toponav.mapping.voxels import VoxelSums, pack_key
+
+MAX_LABELS = 32
+"""Labels that one pass tells apart, a bit each."""
+
+RECENT = 1 << 12
+"""Voxels that the gathering of runs keeps in sight, by 12 bits of a hash: most of a frame's."""
+
+SPAN = 1 << 17
+"""Voxels that a frame may reach along an axis, half of them on either side of the camera: three
+such numbers make one code that a double holds exactly."""
+
+NOWHERE = -np.inf
+"""Code of a pixel that does not count."""
+
+COLOR_BITS = 21
+"""Bits of a channel in a packed sum over a row: 2^21 / 255 pixels are more than a row has."""
+
+COLOR_MASK = np.uint64((1 << COLOR_BITS) - 1)
+
+
+class DepthWindow(NamedTuple):
+    """Which pixels count.
+
+    Attributes:
+        min_depth: Depths at or under it are no returns, metres.
+        max_depth: Depths at or over it are no returns, metres.
+        stride: Every how many rows and columns a pixel is used.
+    """
+
+    min_depth: float
+    max_depth: float
+    stride: int
+
+
+class Frame(NamedTuple):
+    """An observation as the kernels see it, every `stride`-th row and column of it."""
+
+    depth: NDArray[np.float32]
+    rgb: NDArray[np.uint8]
+    ray_x: NDArray[np.float64]
+    ray_y: NDArray[np.float64]
+    rotation: NDArray[np.float64]
+    translation: NDArray[np.float64]
+
+
+class FrameSums(NamedTuple):
+    """Sums over a frame's pixels, by voxel and set of labels; a voxel may come up more than once.
+
+    Attributes:
+        voxels: The sums.
+        labels: (N,) uint32 the labels of these pixels, a bit each.
+    """
+
+    voxels: VoxelSums
+    labels: NDArray[np.uint32]
+
+    def of(self, label: int) -> VoxelSums:
+        """Those of the pixels that have a label, by its bit."""
+        chosen = np.flatnonzero((self.labels >> np.uint32(label)) & np.uint32(1))
+        keys, offset_sums, color_sums, counts = self.voxels
+        return VoxelSums(
+            keys[chosen],
+            np.take(offset_sums, chosen, axis=0),
+            np.take(color_sums, chosen, axis=0),
+            counts[chosen],
+        )
+
+
+class _Row(NamedTuple):
+    """What is known of a row of W pixels.
+
+    Attributes:
+        codes: (W,) the pixel's voxel, as one number, or `NOWHERE`.
+        depth_sums: (W + 1,) sums over the pixels before one: of the depths,
+        lateral_sums: (W + 1,) of the camera's x,
+        color_sums: (W + 1,) of the packed colours.
+        starts: (W + 1,) first pixels of the runs: neighbours in one voxel, with the same labels.
+    """
+
+    codes: NDArray[np.float64]
+    depth_sums: NDArray[np.float64]
+    lateral_sums: NDArray[np.float64]
+    color_sums: NDArray[np.uint64]
+    starts: NDArray[np.int32]
+
+
+class _Gathered(NamedTuple):
+    """Sums in the making, in the camera's frame.
+
+    Attributes:
+        codes: (N,) voxels, as in `_Row`.
+        labels: (N,) labels of the pixels.
+        camera_sums: (N, 3) sums of the camera's x, y and z.
+        color_sums: (N, 3).
+        counts: (N,) pixels.
+    """
+
+    codes: NDArray[np.float64]
+    labels: NDArray[np.uint32]
+    camera_sums: NDArray[np.float64]
+    color_sums: NDArray[np.uint32]
+    counts: NDArray[np.int32]
+
+    def first(self, found: int) -> _Gathered:
+        """The first so many."""
+        return _Gathered(
+            self.codes[:found],
+            self.labels[:found],
+            self.camera_sums[:found],
+            self.color_sums[:found],
+            self.counts[:found],
+        )
+
+
+def sum_frame(
+    frame: Frame, window: DepthWindow, labels: NDArray[np.uint32], resolution: float
+) -> FrameSums:
+    """Sum the pixels of a frame by voxel and labels.
+
+    Args:
+        frame: The images and the pose, within `SPAN` / 2 voxels of everything that it shows.
+        window: Which pixels count.
+        labels: (H, W) labels of every pixel of the frame, a bit each.
+        resolution: Edge of a voxel, metres.
+    """
+    pixels = frame.depth.size
+    gathered = _Gathered(
+        np.empty(pixels, np.float64),
+        np.empty(pixels, np.uint32),
+        np.empty((pixels, 3), np.float64),
+        np.empty((pixels, 3), np.uint32),
+        np.empty(pixels, np.int32),
+    )
+    camera = np.floor(frame.translation / resolution)
+    found = _gather_frame(frame, window, labels, (camera, resolution), gathered)
+    gathered = gathered.first(found)
+    keys, offsets = _to_world(frame, (camera, resolution), gathered)
+    sums = VoxelSums(keys, offsets, gathered.color_sums, gathered.counts)
+    return FrameSums(sums, gathered.labels)
+
+
+@njit(cache=True)
+def _gather_frame(
+    frame: Frame,
+    window: DepthWindow,
+    labels: NDArray[np.uint32],
+    lattice: tuple[NDArray[np.float64], float],
+    gathered: _Gathered,
+) -> int:
+    """Sum all rows; returns the number of sums."""
+    height, width = frame.depth.shape
+    camera, resolution = lattice
+    row = _Row(
+        np.empty(width),
+        np.zeros(width + 1),
+        np.zeros(width + 1),
+        np.zeros(width + 1, np.uint64),
+        np.empty(width + 1, np.int32),
+    )
+    recent = np.zeros(RECENT, np.int32)
+    gathered.codes[0], found = NOWHERE, 0
+    for v in range(height):
+        depth = frame.depth[v]
+        row.codes[:] = 0.0
+        for axis in range(3):
+            # Eq. (1) in eq. (2): x_w = d (R [ray_x, ray_y, 1]^T) + t.
+            slope = frame.rotation[axis, 0]
+            start = frame.rotation[axis, 1] * frame.ray_y[v] + frame.rotation[axis, 2]
+            line = (slope, start, frame.translation[axis])
+            _encode(depth, frame.ray_x, line, (camera[axis], resolution), row.codes)
+        _leave_out(depth, window, row.codes)
+        runs = _find_runs(row.codes, labels[v], row.starts)
+        _accumulate(depth, frame.ray_x, frame.rgb[v], row)
+        found = _gather_row((row, runs, frame.ray_y[v]), labels[v], recent, gathered, found)
+    return found
+
+
+@njit(cache=True, error_model="numpy")
+def _encode(
+    depth: NDArray[np.float32],
+    ray_x: NDArray[np.float64],
+    line: tuple[float, float, float],
+    lattice: tuple[float, float],
+    codes: NDArray[np.float64],
+) -> None:
+    """Append the voxels' indices along one axis, from the camera's, to a row's codes."""
+    slope, start, shift = line
+    camera, resolution = lattice
+    for u in range(depth.size):
+        x = float(depth[u]) * (slope * ray_x[u] + start) + shift
+        codes[u] = codes[u] * SPAN + (np.floor(x / resolution) - camera)
+
+
+@njit(cache=True)
+def _leave_out(depth: NDArray[np.float32], window: DepthWindow, codes: NDArray[np.float64]) -> None:
+    """Mark the pixels outside the window."""
+    for u in range(depth.size):
+        inside = (depth[u] > window.min_depth) & (depth[u] < window.max_depth)
+        codes[u] = codes[u] if inside else NOWHERE
+
+
+@njit(cache=True)
+def _find_runs(
+    codes: NDArray[np.float64], labels: NDArray[np.uint32], starts: NDArray[np.int32]
+) -> int:
+    """Write where the runs start; returns their number."""
+    width = codes.size
+    breaks = np.ones(width, np.bool_)
+    for u in range(1, width):
+        breaks[u] = (codes[u] != codes[u - 1]) | (labels[u] != labels[u - 1])
+    runs = 0
+    for u in range(width):
+        starts[runs] = u
+        runs += int(breaks[u])
+    starts[runs] = width
+    return runs
+
+
+@njit(cache=True)
+def _accumulate(
+    depth: NDArray[np.float32], ray_x: NDArray[np.float64], rgb: NDArray[np.uint8], row: _Row
+) -> None:
+    """Fill in the running sums; one loop, so that the additions overlap."""
+    depth_sums, lateral_sums, color_sums = row.depth_sums, row.lateral_sums, row.color_sums
+    depth_sum, lateral_sum, color_sum = 0.0, 0.0, np.uint64(0)
+    for u in range(depth.size):
+        d = float(depth[u])
+        depth_sum += d
+        lateral_sum += d * ray_x[u]
+        color_sum += (
+            np.uint64(rgb[u, 0])
+            | (np.uint64(rgb[u, 1]) << np.uint64(COLOR_BITS))
+            | (np.uint64(rgb[u, 2]) << np.uint64(2 * COLOR_BITS))
+        )
+        depth_sums[u + 1] = depth_sum
+        lateral_sums[u + 1] = lateral_sum
+        color_sums[u + 1] = color_sum
+
+
+@njit(cache=True)
+def _gather_row(
+    part: tuple[_Row, int, float],
+    labels: NDArray[np.uint32],
+    recent: NDArray[np.int32],
+    gathered: _Gathered,
+    found: int,
+) -> int:
+    """Add a row's runs to the sums of their voxels; returns the number of sums."""
+    row, runs, ray_y = part
+    codes, all_labels, camera_sums, color_sums, counts = gathered
+    for run in range(runs):
+        start, end = row.starts[run], row.starts[run + 1]
+        code, label = row.codes[start], labels[start]
+        if code == NOWHERE:
+            continue
+        mixed = np.uint64(np.int64(code)) * np.uint64(0x9E3779B97F4A7C15)
+        place = int(mixed >> np.uint64(52))
+        total = recent[place]
+        if codes[total] != code or all_labels[total] != label:
+            total = found
+            recent[place] = total
+            codes[total], all_labels[total], counts[total] = code, label, 0
+            for axis in range(3):
+                camera_sums[total, axis], color_sums[total, axis] = 0.0, 0
+            found += 1
+        depth = row.depth_sums[end] - row.depth_sums[start]
+        camera_sums[total, 0] += row.lateral_sums[end] - row.lateral_sums[start]
+        camera_sums[total, 1] += depth * ray_y
+        camera_sums[total, 2] += depth
+        color = row.color_sums[end] - row.color_sums[start]
+        color_sums[total, 0] += np.uint32(color & COLOR_MASK)
+        color_sums[total, 1] += np.uint32((color >> np.uint64(COLOR_BITS)) & COLOR_MASK)
+        color_sums[total, 2] += np.uint32(color >> np.uint64(2 * COLOR_BITS))
+        counts[total] += end - start
+    return found
+
+
+@njit(cache=True)
+def _to_world(
+    frame: Frame, lattice: tuple[NDArray[np.float64], float], gathered: _Gathered
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """(N,) keys of the voxels, and (N, 3) sums of the offsets from their lower corners."""
+    camera, resolution = lattice
+    R, t = frame.rotation, frame.translation
+    found = gathered.codes.size
+    keys, offsets = np.empty(found, np.int64), np.empty((found, 3))
+    index = np.empty(3, np.int64)
+    for row in range(found):
+        code = int(gathered.codes[row])
+        for axis in range(2, -1, -1):
+            digit = (code + SPAN // 2) % SPAN - SPAN // 2
+            index[axis] = digit + int(camera[axis])
+            code = (code - digit) // SPAN
+        keys[row] = pack_key(index[0], index[1], index[2])
+        x, y, z = gathered.camera_sums[row]
+        for axis in range(3):
+            along = R[axis, 0] * x + R[axis, 1] * y + R[axis, 2] * z
+            shift = t[axis] - index[axis] * resolution
+            offsets[row, axis] = along + gathered.counts[row] * shift
+    return keys, offsets
