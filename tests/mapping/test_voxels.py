@@ -12,6 +12,7 @@ from toponav.mapping.voxels import (
     SETTLED_COUNT,
     VoxelCloud,
     columns_of,
+    reach_m,
     unpack_keys,
 )
 
