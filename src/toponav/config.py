@@ -65,7 +65,7 @@ _PRESETS: dict[str, dict[str, Any]] = {
     "paper": {},
     "default": {
         "decide_on_sight": True,
-        "map": {"stairwells": True},
+        "map": {"stairwells": True, "clearing": {}},
         "goal": {"evidence": {}, "glimpses": {}},
         "search": {},
     },

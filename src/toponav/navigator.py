@@ -137,6 +137,7 @@ class Navigator:
         detections = object_masks(observation, seen)
         update = self._map.integrate(observation, detections)  # Section III-C
         self._goal.observe(observation, detections, self._target)
+        self._goal.forget(update.gone)
         self._odometry.add(observation)
         self._locomotion.observe(observation)
         view = self._map.view()

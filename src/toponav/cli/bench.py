@@ -196,6 +196,45 @@ class Memory:
 
 
 @dataclass(frozen=True)
+class MovedThings:
+    """What becomes of map and search when things are moved meanwhile, with and without clearing."""
+
+    houses: int = 40
+    """Generated houses; in each, three things are moved when the target comes into sight."""
+
+    camera: str = "320x240"
+    """Image size, WIDTHxHEIGHT."""
+
+    json: JsonFlag = False
+    """Print the figures as one JSON object on stdout."""
+
+    def run(self) -> None:
+        """Run and print."""
+        from toponav.cli.console import Output
+        from toponav.cli.options import image_size
+        from toponav.config import preset, with_overrides
+        from toponav.evaluation.bench_moved import bench_moved
+
+        output, default = Output(self.json), preset("default")
+        configs = {
+            "clearing": default,
+            "keeping": with_overrides(default, {"map.clearing": "null"}),
+        }
+        figures = bench_moved(
+            configs,
+            self.houses,
+            image_size(self.camera),
+            lambda house, outcome: output.say(f"{house}: {outcome}"),
+        )
+        shares = [
+            f"{name}: found at the new place {100 * figures[name]['success']:.1f} %, stale voxels "
+            f"{100 * figures[name]['stale_share']:.1f} % of {figures[name]['seen_again']}"
+            for name in configs
+        ]
+        output.result(f"{figures['houses']} houses; " + "; ".join(shares), figures)
+
+
+@dataclass(frozen=True)
 class Scale:
     """What an evaluation's bookkeeping costs: blank episodes, many workers, some of which die."""
 
@@ -357,6 +396,7 @@ class Bench:
         Annotated[Map, tyro.conf.subcommand("map")]
         | Annotated[Decide, tyro.conf.subcommand("decide")]
         | Annotated[Memory, tyro.conf.subcommand("memory")]
+        | Annotated[MovedThings, tyro.conf.subcommand("moved")]
         | Annotated[Sim, tyro.conf.subcommand("sim")]
         | Annotated[Scale, tyro.conf.subcommand("scale")]
         | Annotated[Habitat, tyro.conf.subcommand("habitat")]

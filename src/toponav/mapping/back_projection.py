@@ -33,6 +33,11 @@ class PosedFrame:
             translation=np.ascontiguousarray(observation.world_from_camera.translation),
         )
 
+    @property
+    def images(self) -> Frame:
+        """What kernels see of it."""
+        return self._frame
+
     def sums(self, resolution: float, masks: Sequence[NDArray[np.bool_]] = ()) -> FrameSums:
         """The frame's points, summed by voxel and by which masks they lie under.
 

@@ -84,6 +84,11 @@ class FloorLayers:
         return tuple(self._floors)
 
     @property
+    def codes(self) -> NDArray[np.int16]:
+        """A code a slot, of the scene's storage."""
+        return self._codes
+
+    @property
     def nbytes(self) -> int:
         """Memory held, bytes."""
         parts = ((f.grid, f.frontiers, f.bridges, f.treads) for f in self._floors)
@@ -111,13 +116,13 @@ class FloorLayers:
         self._stairs = np.append(self._stairs, new)
 
     def update(self, slots: NDArray[np.int32]) -> None:
-        """Sort scene voxels whose centroid or label changed."""
+        """Sort scene voxels whose centroid or label changed, or that were emptied."""
         self._follow_storage()
         before = self._codes[slots]
         ascending = sorted(self._floors, key=lambda floor: floor.z)
         _classify(
             slots,
-            (self._scene.arrays.points, self._is_stairs),
+            (self._scene.arrays.points, self._scene.arrays.counts, self._is_stairs),
             np.array([floor.z for floor in ascending]),
             np.array([floor.index for floor in ascending]),
             self._heights,
@@ -193,14 +198,14 @@ def _code(floor: Floor, layer: Layer) -> int:
 @njit(cache=True)
 def _classify(
     slots: NDArray[np.int32],
-    voxels: tuple[NDArray[np.float32], NDArray[np.bool_]],
+    voxels: tuple[NDArray[np.float32], NDArray[np.int32], NDArray[np.bool_]],
     floor_z: NDArray[np.float64],
     floor_index: NDArray[np.int64],
     heights: tuple[float, float],
     codes: NDArray[np.int16],
 ) -> None:
     """Write the codes of voxels; the floors are in ascending order of height."""
-    points, is_stairs = voxels
+    points, counts, is_stairs = voxels
     delta, obstacle_top = heights
     for row in range(slots.size):
         slot = slots[row]
@@ -209,7 +214,9 @@ def _classify(
         while below + 1 < floor_z.size and z >= floor_z[below + 1] - delta:
             below += 1
         code = NO_LAYER
-        if is_stairs[slot]:
+        if counts[slot] == 0:
+            code = NO_LAYER
+        elif is_stairs[slot]:
             code = floor_index[max(below, 0)] * LAYERS + STAIRS
         elif below >= 0 and z <= floor_z[below] + delta:
             code = floor_index[below] * LAYERS + NAVIGABLE

@@ -26,6 +26,7 @@ from pydantic import Field, model_validator
 from toponav.config_model import ConfigModel
 from toponav.errors import ObservationError, StaleViewError
 from toponav.mapping.back_projection import PosedFrame
+from toponav.mapping.clearing import Clearing, ClearingConfig, Voxels
 from toponav.mapping.flights import beside_unknown, ends_of_flights, filled_flights
 from toponav.mapping.floors import Floor, FloorLayers
 from toponav.mapping.frame_sums import MAX_LABELS, DepthWindow
@@ -41,7 +42,7 @@ from toponav.mapping.view import (
     OccupancyGrid,
     PointCloud,
 )
-from toponav.mapping.voxels import VoxelCloud, VoxelSums, columns_of, frozen
+from toponav.mapping.voxels import EMPTY, VoxelCloud, VoxelSums, columns_of, frozen
 from toponav.types import Detections, Observation
 
 HALF_WAY_M = 0.5
@@ -113,6 +114,9 @@ class MapConfig(ConfigModel):
     drop_depth_m: float = Field(default=0.3, gt=0.0)
     """How far below the floor a line of sight must reach, metres: more than one step down."""
 
+    clearing: ClearingConfig | None = None
+    """Take out what is seen to have gone; without it the map keeps everything, as the paper's."""
+
     @model_validator(mode="after")
     def _check(self) -> MapConfig:
         if abs(self.r_g / self.r_pcd - self.columns_per_cell) > 1e-6 or not self.columns_per_cell:
@@ -163,12 +167,14 @@ class SemanticMap:
         self._floor: Floor | None = None
         self._view: MapView | None = None
         self._frames = 0
+        self._clearing = None if config.clearing is None else Clearing(config.clearing)
 
     @property
     def nbytes(self) -> int:
         """Memory that the map holds, bytes."""
         clouds = (self._scene, *self._objects.values())
-        return sum(cloud.nbytes for cloud in clouds) + self._layers.nbytes
+        watched = 0 if self._clearing is None else self._clearing.nbytes
+        return sum(cloud.nbytes for cloud in clouds) + self._layers.nbytes + watched
 
     def integrate(self, observation: Observation, detections: Detections) -> FrameUpdate:
         """Add one observation.
@@ -205,7 +211,7 @@ class SemanticMap:
         if config.stairwells:
             self._hold_ground(floor, foot)
             self._look_below(floor, foot, frame)
-        return FrameUpdate(points, labels)
+        return FrameUpdate(points, labels, self._clear(frame, touched))
 
     def leave(self) -> None:
         """The agent is somewhere else now: the next frame says on which floor."""
@@ -251,6 +257,22 @@ class SemanticMap:
                 self._scene.add_sums(sums.voxels)
             seen += [label for bit, label in enumerate(chunk) if self._add(label, sums.of(bit))]
         return tuple(seen)
+
+    def _clear(self, frame: PosedFrame, touched: NDArray[np.int32]) -> NDArray[np.float32]:
+        """Take out what has gone; returns the (M, 3) centroids of those voxels."""
+        if self._clearing is None:
+            return np.empty((0, 3), np.float32)
+        slots = self._scene.slots()
+        voxels = Voxels(slots.points, slots.counts, self._layers.codes)
+        self._clearing.watch(slots.points)
+        gone = self._clearing.look(frame.images, voxels, self.config.r_pcd, touched)
+        if len(gone):
+            keys = self._scene.arrays.keys[gone]
+            for cloud in (self._scene, *self._objects.values()):
+                found = cloud.find(keys)
+                cloud.clear(found[found != EMPTY])
+            self._layers.update(gone)
+        return slots.points[gone]
 
     def _add(self, label: str, sums: VoxelSums) -> bool:
         """M_obj^(c) of one category; returns whether there was anything to add."""
@@ -345,8 +367,10 @@ class SemanticMap:
         floor.bridges.refresh()
 
     def _make_view(self) -> MapView:
-        scene = self._scene.cloud()
-        objects = {label: cloud.cloud() for label, cloud in self._objects.items()}
+        slots = self._scene.slots()
+        scene = self._deferred(self._scene.cloud) if self._scene.has_gaps else slots
+        clouds = {label: cloud.cloud() for label, cloud in self._objects.items()}
+        objects = {label: cloud for label, cloud in clouds.items() if len(cloud)}
         if self._floor is None:
             nothing = VoxelCloud(self.config.r_pcd).cloud()
             grid = self._empty_grid().snapshot()
@@ -370,8 +394,8 @@ class SemanticMap:
         return MapView(
             scene=scene,
             objects=MappingProxyType(objects),
-            navigable=self._deferred(lambda: self._navigable(floor, scene)),
-            obstacles=self._deferred(lambda: _rows((scene, self._layers.obstacles(floor)))),
+            navigable=self._deferred(lambda: self._navigable(floor, slots)),
+            obstacles=self._deferred(lambda: _rows((slots, self._layers.obstacles(floor)))),
             frontiers=frozen(np.hstack([frontier_xy, frontier_z])),
             frontier_labels=frozen(frontier_labels),
             grid=grid,
@@ -412,12 +436,12 @@ class SemanticMap:
         cells[heights < config.delta - config.obstacle_top_m] = FREE
         return replace(grid, cells=frozen(cells), stairs=frozen(heights))
 
-    def _navigable(self, floor: Floor, scene: PointCloud) -> PointCloud:
+    def _navigable(self, floor: Floor, slots: PointCloud) -> PointCloud:
         """M_nav: the observed voxels, then the bridges where nothing was observed."""
         bridges = floor.bridges.cloud()
         columns = columns_of(floor.bridges.arrays.keys[: len(bridges)])
         gaps = np.flatnonzero(~floor.grid.observed(columns))
-        return _rows((scene, self._layers.navigable(floor)), (bridges, gaps))
+        return _rows((slots, self._layers.navigable(floor)), (bridges, gaps))
 
 
 def _masks_by_label(detections: Detections) -> dict[str, NDArray[np.bool_]]:

@@ -79,8 +79,8 @@ def _restore_floor(
 
 
 def _cloud_arrays(name: str, cloud: VoxelCloud) -> Arrays:
-    size = len(cloud)
-    return {f"{name}/{part}": getattr(cloud.arrays, part)[:size] for part in SUMS}
+    kept = np.flatnonzero(cloud.arrays.counts[: len(cloud)])
+    return {f"{name}/{part}": getattr(cloud.arrays, part)[kept] for part in SUMS}
 
 
 def _cloud(arrays: Mapping[str, NDArray[Any]], name: str, resolution: float) -> VoxelCloud:

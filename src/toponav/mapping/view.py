@@ -134,7 +134,9 @@ class FrameUpdate:
         navigable_points: (N, 3) float32 floor points of this frame (before interpolation), one a
             voxel, world frame: the S_dir of this view.
         labels: Categories with at least one point in this frame.
+        gone: (M, 3) float32 centroids of the voxels that were taken out of the map with this frame.
     """
 
     navigable_points: NDArray[np.float32]
     labels: tuple[str, ...]
+    gone: NDArray[np.float32]

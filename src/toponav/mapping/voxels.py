@@ -98,12 +98,18 @@ PER_SLOT = tuple(name for name in VoxelArrays._fields if name not in ("table", "
 
 
 class VoxelCloud:
-    """A point cloud downsampled to one centroid a voxel, grown point by point."""
+    """A point cloud downsampled to one centroid a voxel, grown point by point.
+
+    Attributes:
+        resolution: Edge of a voxel, metres.
+        has_gaps: Whether slots were emptied.
+    """
 
     def __init__(self, resolution: float) -> None:
         """Create an empty cloud of voxels with edges of `resolution` metres (r_pcd)."""
         self.resolution = resolution
         self._arrays = _allocate(INITIAL_CAPACITY)
+        self.has_gaps = False
 
     @classmethod
     def from_sums(
@@ -137,6 +143,7 @@ class VoxelCloud:
         return cloud
 
     def __len__(self) -> int:
+        """Slots, which are voxels but for those that `clear` emptied."""
         return int(self._arrays.sizes[VOXELS])
 
     @property
@@ -183,6 +190,17 @@ class VoxelCloud:
         self.reserve(len(sums.keys))
         _add_sums(self._arrays, sums)
 
+    def clear(self, slots: NDArray[np.int32]) -> None:
+        """Empty voxels; their slots stay, and take points again when some come."""
+        arrays = self._arrays
+        self.has_gaps = True
+        arrays.counts[slots] = 0
+        arrays.offset_sums[slots], arrays.color_sums[slots] = 0.0, 0
+
+    def find(self, keys: NDArray[np.int64]) -> NDArray[np.int32]:
+        """(N,) slots of the voxels of (N,) keys; EMPTY for those not in the cloud."""
+        return _find_slots(self._arrays.table, self._arrays.keys, keys)
+
     def refresh(self) -> NDArray[np.int32]:
         """Bring the centroids of the touched voxels up to date.
 
@@ -195,10 +213,20 @@ class VoxelCloud:
         return slots
 
     def cloud(self) -> PointCloud:
-        """All centroids in order of first observation: read-only views of the live storage.
+        """All centroids in order of first observation.
 
-        Adding further points may change them in place; copy what must not change.
+        Mostly read-only views of the live storage, which further points may change in place; copy
+        what must not change.
         """
+        slots = self.slots()
+        if not self.has_gaps:
+            return slots
+        kept = slots.counts > 0
+        points, colors, counts = slots.points[kept], slots.colors[kept], slots.counts[kept]
+        return PointCloud(frozen(points), frozen(colors), frozen(counts))
+
+    def slots(self) -> PointCloud:
+        """All slots, with a count of 0 for those that were emptied: views of the live storage."""
         self.refresh()
         size, arrays = len(self), self._arrays
         return PointCloud(
@@ -293,6 +321,16 @@ def find_slot(table: NDArray[np.int32], keys: NDArray[np.int64], key: int) -> in
 
 
 @njit(cache=True)
+def _find_slots(
+    table: NDArray[np.int32], keys: NDArray[np.int64], wanted: NDArray[np.int64]
+) -> NDArray[np.int32]:
+    found = np.empty(wanted.size, np.int32)
+    for row in range(wanted.size):
+        found[row] = table[_entry_of(table, keys, wanted[row])]
+    return found
+
+
+@njit(cache=True)
 def claim_slot(
     table: NDArray[np.int32],
     keys: NDArray[np.int64],
@@ -370,11 +408,13 @@ def _update_centroids(arrays: VoxelArrays, resolution: float) -> None:
     for position in range(arrays.sizes[TOUCHED]):
         slot = arrays.touched[position]
         key, count = arrays.keys[slot], int(arrays.counts[slot])
+        arrays.is_touched[slot] = False
+        if count == 0:
+            continue
         for axis in range(3):
             index = ((key >> (AXIS_BITS * (2 - axis))) & AXIS_MASK) - AXIS_OFFSET
             offset = arrays.offset_sums[slot, axis] / count
             arrays.points[slot, axis] = index * resolution + offset
             color_sum = int(arrays.color_sums[slot, axis])
             arrays.colors[slot, axis] = (2 * color_sum + count) // (2 * count)
-        arrays.is_touched[slot] = False
     arrays.sizes[TOUCHED] = 0

@@ -140,6 +140,7 @@ class Candidate:
         looks: By side and range.
         verdict: Log-odds of earlier verdicts on it.
         returns: How often it was looked at again before a verdict.
+        lost: Points that have gone since.
     """
 
     points: NDArray[np.float64]
@@ -148,6 +149,11 @@ class Candidate:
     looks: dict[tuple[int, bool], Look] = field(default_factory=dict)
     verdict: float = 0.0
     returns: int = 0
+    lost: int = 0
+
+    def keep(self, rows: NDArray[np.bool_]) -> None:
+        """Keep some of its points."""
+        self.points, self.seen, self.hit = self.points[rows], self.seen[rows], self.hit[rows]
 
     @property
     def center(self) -> NDArray[np.float64]:
@@ -238,6 +244,21 @@ class TargetEvidence:
             piece = _pieces(everything, self._config.gap_m)
             for number in range(piece.max() + 1):
                 self._candidates.append(_fresh(everything[piece == number]))
+
+    def forget(self, gone: NDArray[np.floating]) -> None:
+        """Take what has gone, (N, 3), out of the candidates, and those of which little is left."""
+        if not len(gone):
+            return
+        tree = cKDTree(gone)
+        kept = []
+        for candidate in self._candidates:
+            away, _ = tree.query(candidate.points)
+            left = away > math.sqrt(3.0) * self._config.voxel_m
+            candidate.lost += int((~left).sum())
+            candidate.keep(left)
+            if len(candidate.points) > candidate.lost:
+                kept.append(candidate)
+        self._candidates = kept
 
     def accept(self, candidate: Candidate) -> None:
         """Take it for the target from now on."""

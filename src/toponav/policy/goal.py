@@ -101,6 +101,11 @@ class GoalTracker:
                 self._evidence = TargetEvidence(self.config.evidence, target)
             self._evidence.observe(observation, detections)
 
+    def forget(self, gone: NDArray[np.floating]) -> None:
+        """Take what has gone from the map, (N, 3), out of what may be the target."""
+        if self._evidence is not None:
+            self._evidence.forget(gone)
+
     def recall(self, objects: Mapping[str, PointCloud], target: str) -> None:
         """Begin with the instances of the target that an earlier search has mapped."""
         if self.config.evidence is not None and target in objects:

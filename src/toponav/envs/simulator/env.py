@@ -179,6 +179,21 @@ class HouseEnv(gymnasium.Env[dict[str, Any], Any]):
         """The last image, in mode `rgb_array`."""
         return self.observe().rgb if self.render_mode == "rgb_array" else None
 
+    def change_to(self, scene: Scene) -> None:
+        """Go on in another state of the same building, in the middle of an episode.
+
+        Raises:
+            EpisodeError: The agent would stand in something.
+        """
+        before = self.scene, self.surface, self._renderer
+        self.scene = scene
+        self.surface, self._renderer = self._load_world()
+        if self.surface.snap(self.position, self.config.forward_m) is None:
+            self.scene, self.surface, self._renderer = before
+            raise EpisodeError(f"{scene.name}: something would stand where the agent is")
+        self.oracle.learn(self.scene, self.surface, RayCaster(scene.mesh))
+        self._sense()
+
     def observe(self) -> Observation:
         """The last observation, typed: what an agent of this package takes."""
         if self._observation is None:

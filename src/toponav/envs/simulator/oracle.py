@@ -31,10 +31,14 @@ class SceneOracle:
 
     def __init__(self, scene: Scene, surface: Surface, caster: RayCaster, episode: Episode) -> None:
         """Know the scene; `episode` is where the agent's state is read."""
+        self._episode = episode
+        self.learn(scene, surface, caster)
+
+    def learn(self, scene: Scene, surface: Surface, caster: RayCaster) -> None:
+        """Know another scene, or another state of the same, from now on."""
         self._scene = scene
         self._surface = surface
         self._caster = caster
-        self._episode = episode
         self._viewpoints = dict(scene.viewpoints)
         self._fields: dict[str, Distances] = {}
         self._categories: tuple[str, ...] | None = None

@@ -1,0 +1,244 @@
+"""What has gone: voxels that a frame looks through are taken out of the map.
+
+Not in the paper, whose scenes stand still. A voxel is projected into the image. Where everything
+that the image shows on its footprint lies well behind it, nothing can be there any more; after
+enough such frames in a row it goes. Where the image shows something as near as it, it stays; where
+something nearer hides it, or a pixel on the footprint has no return, the frame says nothing.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from pydantic import Field
+
+from toponav.config_model import ConfigModel
+from toponav.mapping.floors import LAYERS, STAIRS
+from toponav.mapping.frame_sums import Frame
+
+TILE_M = 1.0
+"""Voxels are looked up by square tiles this wide."""
+
+NONE = -1
+"""No slot."""
+
+FOOTPRINT_SAMPLES = 5
+"""Pixels along each side of a footprint that are looked at."""
+
+
+class ClearingConfig(ConfigModel):
+    """When a voxel has gone."""
+
+    frames: int = Field(default=2, ge=1, le=255)
+    """Frames in a row that must look through it: more than the noise of one."""
+
+    margin_m: float = Field(default=0.12, gt=0.0)
+    """How far behind it everything must lie, metres: more than its diagonal."""
+
+    margin_per_m2: float = Field(default=0.01, ge=0.0)
+    """More for each square metre of the squared depth, as the noise of depth cameras grows."""
+
+    footprint: float = Field(default=0.5, gt=0.0)
+    """Width of the footprint in voxels: what is thinner than a voxel must not slip through."""
+
+    range_m: float = Field(default=4.0, gt=0.0)
+    """Voxels farther off are left alone, metres."""
+
+
+class Voxels(NamedTuple):
+    """A cloud's slots.
+
+    Attributes:
+        points: (N, 3) centroids, metres.
+        counts: (N,) points averaged; with 0 there is no voxel.
+        layers: (N,) or more, codes of `FloorLayers`: stairs stay where they are.
+    """
+
+    points: NDArray[np.float32]
+    counts: NDArray[np.int32]
+    layers: NDArray[np.int16]
+
+
+class _Tiles(NamedTuple):
+    """Lists of slots by tile.
+
+    Attributes:
+        corner: (2,) index of the first tile.
+        first: (T_x, T_y) int32 last slot of a tile, or `NONE`.
+        after: (C,) int32 the slot before it in the same tile, or `NONE`.
+    """
+
+    corner: NDArray[np.int64]
+    first: NDArray[np.int32]
+    after: NDArray[np.int32]
+
+
+class Clearing:
+    """Watches the voxels of a cloud for those that have gone."""
+
+    def __init__(self, config: ClearingConfig) -> None:
+        """Watch none yet."""
+        self._config = config
+        self._tiles = _Tiles(
+            np.zeros(2, np.int64), np.empty((0, 0), np.int32), np.empty(0, np.int32)
+        )
+        self._watched = 0
+        self._misses = np.zeros(0, np.uint8)
+
+    @property
+    def nbytes(self) -> int:
+        """Memory held, bytes."""
+        return sum(array.nbytes for array in (*self._tiles, self._misses))
+
+    def watch(self, points: NDArray[np.float32]) -> None:
+        """Take note of the slots that are new since the last call.
+
+        Args:
+            points: (N, 3) centroids of all slots, metres.
+        """
+        new = points[self._watched :, :2]
+        if not len(new):
+            return
+        tile = np.floor(new / TILE_M).astype(np.int64)
+        self._make_room(tile.min(axis=0), tile.max(axis=0) + 1, len(points))
+        local = tile - self._tiles.corner
+        _link(self._tiles, local, self._watched)
+        self._watched = len(points)
+
+    def look(
+        self,
+        frame: Frame,
+        voxels: Voxels,
+        resolution: float,
+        touched: NDArray[np.int32],
+    ) -> NDArray[np.int32]:
+        """The slots that have gone with this frame.
+
+        Args:
+            frame: The images and the pose.
+            voxels: All slots.
+            resolution: Edge of a voxel, metres.
+            touched: (K,) slots that the frame itself shows.
+        """
+        self._misses[touched] = 0
+        gone = _look(frame, voxels, self._misses, self._tiles, self._rules(resolution))
+        if len(gone):
+            gone = gone[~np.isin(gone, touched)]  # what the frame shows is there, however thin
+            self._misses[gone] = 0
+        return gone
+
+    def _rules(self, resolution: float) -> _Rules:
+        config = self._config
+        return _Rules(
+            config.frames,
+            config.margin_m,
+            config.margin_per_m2,
+            0.5 * config.footprint * resolution,
+            config.range_m,
+        )
+
+    def _make_room(self, low: NDArray[np.int64], high: NDArray[np.int64], slots: int) -> None:
+        corner, first, after = self._tiles
+        if not first.size:
+            corner, first = low, np.full(high - low, NONE, np.int32)
+        before = np.maximum(corner - low, 0)
+        behind = np.maximum(high - corner - first.shape, 0)
+        if before.any() or behind.any():
+            first = np.pad(first, tuple(zip(before, behind, strict=True)), constant_values=NONE)
+        if slots > len(after):
+            room = max(slots, 2 * len(after)) - len(after)
+            after = np.append(after, np.full(room, NONE, np.int32))
+            self._misses = np.append(self._misses, np.zeros(room, np.uint8))
+        self._tiles = _Tiles(corner - before, first, after)
+
+
+class _Rules(NamedTuple):
+    """`ClearingConfig` as the kernel sees it; `half_m` is half the width of a footprint."""
+
+    frames: int
+    margin_m: float
+    margin_per_m2: float
+    half_m: float
+    range_m: float
+
+
+@njit(cache=True)
+def _link(tiles: _Tiles, local: NDArray[np.int64], start: int) -> None:
+    """Put slots from `start` on into the lists of their tiles."""
+    for row in range(local.shape[0]):
+        i, j = local[row, 0], local[row, 1]
+        tiles.after[start + row] = tiles.first[i, j]
+        tiles.first[i, j] = start + row
+
+
+@njit(cache=True)
+def _look(
+    frame: Frame,
+    voxels: Voxels,
+    misses: NDArray[np.uint8],
+    tiles: _Tiles,
+    rules: _Rules,
+) -> NDArray[np.int32]:
+    """Count the frames that look through each voxel about; returns those looked through enough."""
+    points, counts, layers = voxels
+    t = frame.translation
+    low_i = max(0, int(np.floor((t[0] - rules.range_m) / TILE_M)) - tiles.corner[0])
+    low_j = max(0, int(np.floor((t[1] - rules.range_m) / TILE_M)) - tiles.corner[1])
+    high_i = int(np.floor((t[0] + rules.range_m) / TILE_M)) - tiles.corner[0] + 1
+    high_j = int(np.floor((t[1] + rules.range_m) / TILE_M)) - tiles.corner[1] + 1
+    gone = []
+    for i in range(low_i, min(high_i, tiles.first.shape[0])):
+        for j in range(low_j, min(high_j, tiles.first.shape[1])):
+            slot = tiles.first[i, j]
+            while slot != NONE:
+                is_stairs = layers[slot] >= 0 and layers[slot] % LAYERS == STAIRS
+                if counts[slot] > 0 and not is_stairs:
+                    seen = _through(frame, points[slot], rules)
+                    if seen == THROUGH:
+                        misses[slot] += 1
+                        if misses[slot] >= rules.frames:
+                            gone.append(slot)
+                    elif seen == THERE:
+                        misses[slot] = 0
+                slot = tiles.after[slot]
+    return np.array(gone, dtype=np.int32)
+
+
+UNSEEN, THERE, THROUGH = 0, 1, 2
+"""What a frame says of a voxel."""
+
+
+@njit(cache=True)
+def _through(frame: Frame, point: NDArray[np.float32], rules: _Rules) -> int:
+    """Whether the image shows something at a voxel, or only what lies behind it."""
+    R = frame.rotation
+    x = point[0] - frame.translation[0]
+    y = point[1] - frame.translation[1]
+    z = point[2] - frame.translation[2]
+    depth = R[0, 2] * x + R[1, 2] * y + R[2, 2] * z
+    if depth < 2.0 * rules.half_m or depth > rules.range_m:
+        return UNSEEN
+    height, width = frame.depth.shape
+    # The rays' tangents are evenly spaced: a focal length in pixels is one over the spacing.
+    step_x, step_y = frame.ray_x[1] - frame.ray_x[0], frame.ray_y[1] - frame.ray_y[0]
+    u = ((R[0, 0] * x + R[1, 0] * y + R[2, 0] * z) / depth - frame.ray_x[0]) / step_x
+    v = ((R[0, 1] * x + R[1, 1] * y + R[2, 1] * z) / depth - frame.ray_y[0]) / step_y
+    half_u, half_v = rules.half_m / (depth * step_x), rules.half_m / (depth * step_y)
+    if u < half_u or v < half_v or u > width - 1 - half_u or v > height - 1 - half_v:
+        return UNSEEN
+    margin = rules.margin_m + rules.margin_per_m2 * depth * depth
+    nearest = np.inf
+    for a in range(FOOTPRINT_SAMPLES):
+        row = int(np.rint(v + half_v * (2.0 * a / (FOOTPRINT_SAMPLES - 1) - 1.0)))
+        for b in range(FOOTPRINT_SAMPLES):
+            column = int(np.rint(u + half_u * (2.0 * b / (FOOTPRINT_SAMPLES - 1) - 1.0)))
+            seen = frame.depth[row, column]
+            if seen <= 0.0:
+                return UNSEEN
+            nearest = min(nearest, seen)
+            if nearest < depth - margin:
+                return UNSEEN
+    return THERE if nearest <= depth + margin else THROUGH
