@@ -1,4 +1,4 @@
-"""The benchmarks of map, decision and memory, on buildings that are quickly toured."""
+"""The benchmarks of the map: what it costs, what it holds, and what of it is stale."""
 
 from __future__ import annotations
 
@@ -45,3 +45,16 @@ def test_open3d_is_asked_for_by_name_where_it_is_absent(
         pytest.skip("Open3D is installed")
     assert main(["bench", "map", "--area", "40", "--camera", "80x60", "--open3d"]) == 2
     assert "pip install open3d" in capsys.readouterr().err
+
+
+def test_moved_things_are_counted_with_and_without_clearing(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    found = figures(capsys, "moved", "--houses", "1")
+    for name in ("clearing", "keeping"):
+        one = found[name]
+        assert one["episodes"] == 1
+        assert one["seen_again"] > 0
+        assert one["stale_share"] == one["stale"] / one["seen_again"]
+    assert found["keeping"]["stale_share"] == 1.0
+    assert found["clearing"]["stale_share"] < 0.5

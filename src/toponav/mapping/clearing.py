@@ -1,9 +1,10 @@
 """What has gone: voxels that a frame looks through are taken out of the map.
 
-Not in the paper, whose scenes stand still. A voxel is projected into the image. Where everything
-that the image shows on its footprint lies well behind it, nothing can be there any more; after
-enough such frames in a row it goes. Where the image shows something as near as it, it stays; where
-something nearer hides it, or a pixel on the footprint has no return, the frame says nothing.
+Not in the paper, whose scenes stand still. The middle of a voxel, its footprint, is projected into
+the image. Where everything that the image shows there lies well behind it, and no pixel of the
+image falls into the voxel, nothing can be there any more; after enough such frames in a row it
+goes. Where the image shows something as near as it, it stays; where something nearer hides it, or
+a pixel of the footprint has no return, the frame says nothing.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ class ClearingConfig(ConfigModel):
     """More for each square metre of the squared depth, as the noise of depth cameras grows."""
 
     footprint: float = Field(default=0.5, gt=0.0)
-    """Width of the footprint in voxels: what is thinner than a voxel must not slip through."""
+    """Width of the footprint in voxels; wider ones take the things beside a voxel for it."""
 
     range_m: float = Field(default=4.0, gt=0.0)
     """Voxels farther off are left alone, metres."""
