@@ -3,10 +3,10 @@
 import hypothesis.strategies as st
 import numpy as np
 import pytest
-from ball_frames import Ball, frame, said
 from hypothesis import given
 from map_frames import floor_depth, nothing_seen, observe, random_frame
 
+from ball_frames import Ball, frame, said
 from toponav.mapping.clearing import ClearingConfig
 from toponav.mapping.semantic_map import MapConfig, SemanticMap
 from toponav.mapping.serialization import map_arrays, map_of
