@@ -67,6 +67,7 @@ _PRESETS: dict[str, dict[str, Any]] = {
         "decide_on_sight": True,
         "map": {"stairwells": True, "clearing": {}},
         "goal": {"evidence": {}, "glimpses": {}},
+        "locomotion": {"planner": {"landing_m": 0.8}},
         "search": {},
     },
 }

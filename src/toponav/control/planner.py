@@ -11,6 +11,7 @@ from pydantic import Field
 from scipy.ndimage import binary_dilation, distance_transform_edt
 
 from toponav.config_model import ConfigModel
+from toponav.control.landings import landings
 from toponav.control.shortest_paths import EVERYWHERE, NO_PARENT, shortest_paths
 from toponav.mapping.view import DROP, FREE, OCCUPIED, OccupancyGrid
 
@@ -33,6 +34,10 @@ class PlannerConfig(ConfigModel):
     max_step_m: float = Field(default=0.3, gt=0.0)
     """Where a stair is higher or lower than this against the floor beside it, metres, one cannot
     step on it: more than a riser (0.2 m at most) and the map's noise."""
+
+    landing_m: float = Field(default=0.0, ge=0.0)
+    """Before the last treads of a flight, floor that no image showed is taken for its landing, as
+    long as this, metres: who comes down a flight sees the floor there only from there."""
 
     goal_tolerance_m: float = Field(default=0.3, ge=0.0)
     """A goal where the agent does not fit is replaced by the nearest cell within this where it
@@ -150,6 +155,7 @@ class Planner:
             on_flight = binary_dilation(np.isfinite(grid.stairs), iterations=TREAD_CELLS)
             occupied &= ~(on_flight & (grid.cells == DROP))  # treads not seen yet, more likely
             occupied |= _flight_sides(free, grid.stairs, config.max_step_m)
+            free |= landings(grid, config.landing_m)
             free &= ~occupied
         if blocked_xy is not None:
             felt = grid.index_of(np.asarray(blocked_xy, dtype=np.float64).reshape(-1, 2))
