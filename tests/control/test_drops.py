@@ -62,7 +62,7 @@ def actions(edges: DropEdges, view: MapView, *observations: Observation) -> list
 def test_the_agent_turns_to_the_drop_and_looks_down_and_up_again() -> None:
     edges = DropEdges()
     [edge] = edges.clusters(OPEN_EDGE, reach_from(OPEN_EDGE, (0.8, 1.2)))
-    edges.approach(edge=True)
+    edges.approach(edge)
     x, y = float(edge.nearest[0]), float(edge.nearest[1])
     away, towards = at(x, y, (-9.0, 1.2)), at(x, y, (9.0, 1.2))
     turn, down, up, done = actions(edges, OPEN_EDGE, away, towards, towards, towards)

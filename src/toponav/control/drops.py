@@ -46,17 +46,17 @@ class DropEdges:
     def __init__(self) -> None:
         """Know of none."""
         self._peeked: list[tuple[NDArray[np.float64], int]] = []
-        self._approached = False
+        self._stand: NDArray[np.float64] | None = None
         self.looking_down = False
 
     @property
     def approached(self) -> bool:
         """Whether an edge is gone to or looked down."""
-        return self._approached
+        return self._stand is not None
 
-    def approach(self, *, edge: bool) -> None:
-        """Note that an edge is gone to, or something else."""
-        self._approached = edge
+    def approach(self, edge: DropEdge | None) -> None:
+        """Note which edge is gone to; None for something else."""
+        self._stand = None if edge is None else edge.nearest[:2]
 
     def clusters(self, view: MapView, reach: CostField) -> tuple[DropEdge, ...]:
         """What can be walked to: edges and flights, each with the place from which to look down."""
@@ -115,11 +115,13 @@ class DropEdges:
         """The next action of the look down an edge or flight, on arrival; None if none is due."""
         here = observation.world_from_base.translation
         if self.looking_down:
-            self.looking_down, self._approached = False, False
-            self._peeked.append((here[:2].copy(), view.floor))
+            # Where it was to stand as well: it may have got no nearer, and never will.
+            spots = [here[:2].copy()] + ([] if self._stand is None else [self._stand])
+            self._peeked += [(spot, view.floor) for spot in spots]
+            self.looking_down, self._stand = False, None
             return Action.LOOK_UP
         on_flight = abs(here[2] - view.floor_z) > ON_FLIGHT_M
-        if not self._approached and (not on_flight or self._is_known(here[:2], view.floor)):
+        if not self.approached and (not on_flight or self._is_known(here[:2], view.floor)):
             return None
         below = _last_treads(here, view) if on_flight else _drop_near(here, view)
         turn = None if below is None else walker.face(observation, below)

@@ -140,7 +140,7 @@ class PlannedSearch:
         self._weighed = ranked_frontiers(choices, belief, view, reach, self._planner, self._config)
         self._waypoint = self._weighed[0].waypoint
         chosen = next(c for c in (*frontiers, *stairs) if c.nearest is self._waypoint)
-        self._drops.approach(edge=isinstance(chosen, DropEdge))
+        self._drops.approach(chosen if isinstance(chosen, DropEdge) else None)
         if chosen in stairs:
             self._left_floor = view.floor
         return self._waypoint
@@ -162,7 +162,7 @@ class PlannedSearch:
         """Something else than a frontier is gone to."""
         self._waypoint, self._weighed = None, ()
         self._landing = False
-        self._drops.approach(edge=False)
+        self._drops.approach(None)
 
     def is_gone(self, view: MapView) -> bool:
         """Whether the frontier that is gone to has been seen from afar."""

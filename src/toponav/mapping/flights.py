@@ -93,7 +93,9 @@ def _fill(
     for _ in range(2 * reach):  # an even slope between the treads that were seen
         mean = convolve(np.where(treads, heights, 0.0), NEIGHBOURS) / total
         heights = np.where(filled, mean, heights).astype(np.float32)
-    guessed = (cells == FREE) & ~floor & (distance_transform_edt(~treads) <= reach)
+    away, nearest = distance_transform_edt(~treads, return_indices=True)
+    guessed = (cells == FREE) & ~floor & (away <= reach)
+    guessed &= np.abs(heights[tuple(nearest)]) > FLIGHT_END_M  # at its ends there is a landing
     cells = np.where(guessed & ~treads, np.int8(DROP), cells)
     step = treads & (np.abs(heights) <= FLIGHT_END_M)
     steps = round(0.5 * STEP_GAP_M / resolution)
