@@ -127,6 +127,11 @@ class Navigator:
         """The map and the memory by now."""
         return Knowledge(self._map, self._memory.memory)
 
+    @property
+    def way(self) -> NDArray[np.float64] | None:
+        """(K, 2) the way that the last action is a part of; None where it was a turn to look."""
+        return self._locomotion.way
+
     def recall(self, knowledge: Knowledge) -> None:
         """Start with an earlier episode's map and memory after the next `reset`."""
         self._recalled = knowledge
@@ -257,7 +262,10 @@ class Navigator:
             guided = self._memory.frontier_points_of(guidance.node_id, view)[:, :2]
             glimpses = self._goal.pursue_glimpses(view)
             hints = Hints(guided, glimpses, self._goal.is_elsewhere(view))
-            return self._search.set_out(hints, foot_z, view, reach, admissible)
+            waypoint = self._search.set_out(hints, foot_z, view, reach, admissible)
+            if waypoint is not None or not self._goal.settle(view):
+                return waypoint
+            self._phase = Phase.TARGET_ACQUISITION
         self._search.leave()
         vantage = self._vantage(observation, view, reach)
         if vantage is not None:

@@ -9,7 +9,13 @@ import pytest
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
-from toponav.control.shortest_paths import EVERYWHERE, NEIGHBOURS, NO_PARENT, shortest_paths
+from toponav.control.shortest_paths import (
+    EVERYWHERE,
+    NEIGHBOURS,
+    NO_PARENT,
+    costs_between,
+    shortest_paths,
+)
 
 
 def supercover(di: int, dj: int) -> list[tuple[int, int]]:
@@ -117,3 +123,15 @@ def test_lengths_stay_within_three_percent_of_straight_ones() -> None:
 
 def test_the_neighbours_are_all_moves_of_at_most_two_that_pass_no_cell_centre() -> None:
     assert sorted(map(tuple, NEIGHBOURS.tolist())) == sorted(MOVES)
+
+
+@pytest.mark.parametrize("within", [math.inf, 3.0])
+@pytest.mark.parametrize("seed", range(15))
+def test_costs_between_cells_are_those_of_searches_from_each(seed: int, within: float) -> None:
+    traversable, cell_cost, cells = random_case(seed)
+    cells = np.vstack([cells, cells[:1]])
+    between = costs_between(traversable, cell_cost, cells, within)
+    for k, cell in enumerate(cells):
+        cost, _ = shortest_paths(traversable, cell_cost, cell[None], EVERYWHERE)
+        expected = cost[tuple(cells.T)]
+        np.testing.assert_allclose(between[k], np.where(expected <= within, expected, np.inf))

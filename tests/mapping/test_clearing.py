@@ -7,7 +7,10 @@ from hypothesis import given
 from map_frames import floor_depth, nothing_seen, observe, random_frame
 
 from ball_frames import Ball, frame, said
-from toponav.mapping.clearing import ClearingConfig
+from toponav.geometry import Pose
+from toponav.geometry.conventions import BODY_FROM_OPTICAL
+from toponav.mapping.clearing import Clearing, ClearingConfig, Voxels
+from toponav.mapping.frame_sums import Frame
 from toponav.mapping.semantic_map import MapConfig, SemanticMap
 from toponav.mapping.serialization import map_arrays, map_of
 from toponav.mapping.view import FREE, OCCUPIED, MapView
@@ -144,3 +147,42 @@ def test_nothing_that_a_frame_shows_goes_with_it(seed: int) -> None:
     for _ in range(2 * FRAMES):
         assert not len(semantic_map.integrate(observation, detections).gone)
     assert len(semantic_map.view().scene) == held
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_all_voxels_in_an_image_of_nothing_near_go_whatever_the_view(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    pitch, focal, height, width = rng.uniform(-1.5, 1.5), 40.0, 48, 64
+    tilt = Pose.from_rotation(
+        np.array(
+            [
+                [np.cos(pitch), 0.0, np.sin(pitch)],
+                [0.0, 1.0, 0.0],
+                [-np.sin(pitch), 0.0, np.cos(pitch)],
+            ]
+        ),
+        (0.0, 0.0, 1.0),
+    )
+    pose = Pose.from_yaw(rng.uniform(-3.0, 3.0), (0.3, -0.7, 0.0)) @ tilt @ BODY_FROM_OPTICAL
+    frame = Frame(
+        depth=np.full((height, width), 9.0, np.float32),
+        rgb=np.zeros((height, width, 3), np.uint8),
+        ray_x=(np.arange(width) - 31.5) / focal,
+        ray_y=(np.arange(height) - 23.5) / focal,
+        rotation=np.ascontiguousarray(pose.rotation),
+        translation=pose.translation,
+    )
+    points = rng.uniform(-6.0, 6.0, (4000, 3)).astype(np.float32)
+    voxels = Voxels(points, np.ones(len(points), np.int32), np.full(len(points), -1, np.int16))
+    clearing = Clearing(ClearingConfig(frames=1))
+    clearing.watch(points)
+    gone = clearing.look(frame, voxels, 0.05, np.zeros(0, np.int32))
+
+    x, y, z = pose.inverse().apply(points.astype(np.float64)).T
+    u, v = focal * x / z + 31.5, focal * y / z + 23.5
+    inside = (z > 0.5) & (np.hypot(*(points[:, :2] - pose.translation[:2]).T) < 4.0) & (z < 4.0)
+    inside &= (u > 1.0) & (v > 1.0) & (u < width - 2.0) & (v < height - 2.0)
+    assert inside.sum() > 20
+    assert set(np.flatnonzero(inside)) <= set(gone.tolist())
+    assert (z[gone] > 0.0).all()
+    assert ((u[gone] > -0.5) & (u[gone] < width - 0.5)).all()

@@ -113,3 +113,18 @@ def test_refresh_tells_what_was_touched_once_and_in_order() -> None:
     assert cloud.refresh().tolist() == []
     cloud.add(np.array([second, first, second]))
     assert cloud.refresh().tolist() == [1, 0]
+
+
+def test_an_emptied_voxel_is_not_in_the_cloud_until_points_come_again() -> None:
+    cloud = VoxelCloud(RESOLUTION)
+    cloud.add(np.array([[0.01, 0.0, 0.0], [1.01, 0.0, 0.0], [2.01, 0.0, 0.0]]))
+    slots = cloud.refresh()
+    cloud.clear(slots[:0])
+    assert not cloud.has_gaps
+    cloud.clear(slots[1:2])
+    np.testing.assert_allclose(cloud.cloud().points[:, 0], [0.01, 2.01], atol=1e-6)
+    cloud.add(np.array([[2.03, 0.0, 0.0]]))
+    np.testing.assert_allclose(cloud.cloud().points[:, 0], [0.01, 2.02], atol=1e-6)
+    cloud.add(np.array([[1.04, 0.0, 0.0]]))
+    np.testing.assert_allclose(cloud.cloud().points[:, 0], [0.01, 1.04, 2.02], atol=1e-6)
+    assert len(cloud) == 3

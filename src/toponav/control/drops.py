@@ -115,9 +115,9 @@ class DropEdges:
         """The next action of the look down an edge or flight, on arrival; None if none is due."""
         here = observation.world_from_base.translation
         if self.looking_down:
-            # Where it was to stand as well: it may have got no nearer, and never will.
-            spots = [here[:2].copy()] + ([] if self._stand is None else [self._stand])
-            self._peeked += [(spot, view.floor) for spot in spots]
+            self._peeked.append((here[:2].copy(), view.floor))
+            if self._stand is not None and not self._is_known(self._stand, view.floor):
+                self._peeked.append((self._stand, view.floor))  # it got no nearer, nor ever will
             self.looking_down, self._stand = False, None
             return Action.LOOK_UP
         on_flight = abs(here[2] - view.floor_z) > ON_FLIGHT_M

@@ -58,11 +58,13 @@ class Locomotion:
         self._bumps = BumpMemory(config.recovery)
         self._monitor = ProgressMonitor(config.recovery)
         self._goals = np.zeros((0, 2))
+        self._walked: tuple[NDArray[np.float64], CostField] | None = None
         self._clearance: Clearance | None = None
         self.progress = Progress.IDLE
 
     def observe(self, observation: Observation) -> None:
         """Learn from the last action; call once a step, before anything else."""
+        self._walked = None
         self._clearance = None
         if observation.collided:
             self._bumps.add(observation.world_from_base)
@@ -110,7 +112,17 @@ class Locomotion:
             action = self._follower.next_action(observation.world_from_base, field, barred)
         if action is None:
             self.progress = Progress.GAVE_UP
+        else:
+            self._walked = xy, field
         return action
+
+    @property
+    def way(self) -> NDArray[np.float64] | None:
+        """(K, 2) what this step's action begins to walk; None where it is no part of a walk."""
+        if self._walked is None:
+            return None
+        xy, field = self._walked
+        return field.path_from(xy)
 
     def _next_guided(self, guide: Guide, observation: Observation) -> Action | None:
         """As `next_action`, by the guide's knowledge."""

@@ -9,10 +9,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
 from scipy.ndimage import binary_dilation, distance_transform_edt
+from shapely import Polygon, contains_xy
 
 from toponav.config_model import ConfigModel
 from toponav.control.landings import landings
-from toponav.control.shortest_paths import EVERYWHERE, NO_PARENT, shortest_paths
+from toponav.control.shortest_paths import (
+    EVERYWHERE,
+    NO_PARENT,
+    costs_between,
+    shortest_paths,
+)
 from toponav.mapping.view import DROP, FREE, OCCUPIED, OccupancyGrid
 
 
@@ -42,6 +48,9 @@ class PlannerConfig(ConfigModel):
     goal_tolerance_m: float = Field(default=0.3, ge=0.0)
     """A goal where the agent does not fit is replaced by the nearest cell within this where it
     does."""
+
+    keep_out: tuple[tuple[tuple[float, float], ...], ...] = ()
+    """Areas that are obstacles whatever is seen there, each by its corners, metres."""
 
 
 TREAD_CELLS = 3
@@ -157,6 +166,9 @@ class Planner:
             occupied |= _flight_sides(free, grid.stairs, config.max_step_m)
             free |= landings(grid, config.landing_m)
             free &= ~occupied
+        if config.keep_out:
+            occupied |= _inside(config.keep_out, grid)
+            free &= ~occupied
         if blocked_xy is not None:
             felt = grid.index_of(np.asarray(blocked_xy, dtype=np.float64).reshape(-1, 2))
             felt = felt[grid.contains(felt)]
@@ -208,12 +220,26 @@ class Planner:
         return CostField(clearance, fitted, cost, parent)
 
     def costs_between(
-        self, clearance: Clearance, places: NDArray[np.float64]
+        self, clearance: Clearance, places: NDArray[np.float64], within: float = math.inf
     ) -> NDArray[np.float64]:
-        """(N, N) costs of the ways between (N, 2 or 3) places; infinite without one."""
-        between = [self.cost_field(clearance, place, places).at(places) for place in places]
-        # The two ways between places may differ by a rounding, or one start inside a margin.
-        return np.minimum(between, np.transpose(between))
+        """(N, N) costs of the ways between (N, 2 or 3) places; infinite without one.
+
+        Args:
+            clearance: Where the agent fits.
+            places: World frame, metres.
+            within: Ways that cost more than this are left out, which saves most of the work in a
+                large map.
+        """
+        grid = clearance.grid
+        fitted = [self._fit(clearance, place[:2]) for place in places]
+        known = [k for k, place in enumerate(fitted) if place is not None]
+        cells = grid.index_of(np.array([fitted[k] for k in known]).reshape(-1, 2))
+        between = np.full((len(places), len(places)), np.inf)
+        step_cost = clearance.step_cost * grid.resolution
+        between[np.ix_(known, known)] = costs_between(
+            clearance.traversable, step_cost, cells, within
+        )
+        return between
 
     def _fit(
         self, clearance: Clearance, goal_xy: NDArray[np.float64]
@@ -254,6 +280,17 @@ def _flight_sides(
             nearer = np.abs(beside) < np.abs(height)
             sides |= nearer & (np.abs(height - beside) > max_step_m)  # NaN is neither
     return sides & on_stairs
+
+
+def _inside(
+    areas: tuple[tuple[tuple[float, float], ...], ...], grid: OccupancyGrid
+) -> NDArray[np.bool_]:
+    """(N_x, N_y) cells whose centres lie in one of the areas."""
+    centers = grid.center_of(np.moveaxis(np.indices(grid.cells.shape), 0, -1))
+    inside: NDArray[np.bool_] = np.zeros(grid.cells.shape, np.bool_)
+    for area in areas:
+        inside |= contains_xy(Polygon(area), centers)
+    return inside
 
 
 def _distance_to(grid: OccupancyGrid, xy: ArrayLike) -> NDArray[np.float64]:

@@ -72,6 +72,9 @@ class SearchPlanConfig(ConfigModel):
     places: Annotated[int, Field(ge=1, le=MAX_PLACES)] = 10
     """Frontiers whose order is worked out; of more, those that promise most for their distance."""
 
+    between: Positive = 30.0
+    """Ways between frontiers that cost more are taken to lead by where the agent is."""
+
     vanished_m: Positive = 0.5
     """A frontier is gone when no frontier cell is left this near to its waypoint."""
 
@@ -116,8 +119,10 @@ def ranked_frontiers(
     """
     frontiers, stairs = places
     objects = _objects_near(frontiers, belief, view, config)
+    is_guided = np.zeros(view.grid.cells.shape, np.bool_)
+    is_guided[tuple(_cells_of(belief.guided, view).T)] = True
     weighed = [
-        _weigh(frontier, near, belief, view, config)
+        _weigh(frontier, near, is_guided, belief, view, config)
         for frontier, near in zip(frontiers, objects, strict=True)
     ]
     for glimpse in belief.glimpses if frontiers else ():
@@ -130,7 +135,8 @@ def ranked_frontiers(
     by_promise = np.argsort(-chance / (cost + 1.0), kind="stable")
     kept, rest = by_promise[: config.places], by_promise[config.places :]
     stands = np.stack([weighed[k].waypoint for k in kept])
-    between = planner.costs_between(reach.clearance, stands)
+    between = planner.costs_between(reach.clearance, stands, config.between)
+    between = np.minimum(between, cost[kept, None] + cost[kept])
     between[~np.isfinite(between)] = UNREACHABLE_M
     order = soonest_order(cost[kept], between, chance[kept])
     ranked = [replace(weighed[kept[place]], rank=rank) for rank, place in enumerate(order)]
@@ -195,12 +201,13 @@ def _objects_near(
 def _weigh(
     cluster: FrontierCluster,
     objects: Mapping[str, float],
+    is_guided: NDArray[np.bool_],
     belief: Belief,
     view: MapView,
     config: SearchPlanConfig,
 ) -> WeighedFrontier:
     """What a frontier of this floor promises, and why."""
-    cells = np.clip(view.grid.index_of(cluster.cells), 0, np.array(view.grid.cells.shape) - 1)
+    cells = _cells_of(cluster.cells, view)
     area = unknown_area_m2(view.grid, cells, config.unknown_reach_m)
     unseen = 1.0 - math.exp(-area / config.unknown_half_m2)
     likelihood, speaks = config.base_likelihood, ""
@@ -208,7 +215,7 @@ def _weigh(
         nearness = 1.0 / (1.0 + (distance / config.seen_half_m) ** 2)
         if belief.affinity[category] * nearness > likelihood:
             likelihood, speaks = belief.affinity[category] * nearness, category
-    guided = _holds_any(cluster, belief.guided)
+    guided = bool(is_guided[tuple(cells.T)].any())
     weight = config.guided_node if guided else 1.0
     return WeighedFrontier(
         waypoint=cluster.nearest,
@@ -248,9 +255,8 @@ def is_on_stairs(cluster: FrontierCluster, view: MapView) -> bool:
     return bool(np.abs(view.grid.stairs[i, j]) >= TREAD_M)  # NaN, no stair, is not
 
 
-def _holds_any(cluster: FrontierCluster, points: NDArray[np.float64]) -> bool:
-    """Whether a frontier holds one of some frontier cells."""
-    if not len(points):
-        return False
-    own = {(round(float(x), 3), round(float(y), 3)) for x, y in cluster.cells}
-    return any((round(float(x), 3), round(float(y), 3)) in own for x, y in points[:, :2])
+def _cells_of(points: NDArray[np.float64], view: MapView) -> NDArray[np.int64]:
+    """(N, 2) cells of the grid nearest to (N, 2 or 3) points."""
+    last = np.array(view.grid.cells.shape) - 1
+    cells: NDArray[np.int64] = np.clip(view.grid.index_of(points), 0, last)
+    return cells

@@ -102,6 +102,32 @@ def _leave(buckets: _Buckets, cell: int, cost: float) -> None:
         buckets.before[after] = before
 
 
+class _Search(NamedTuple):
+    """A search in the making, over (N_x, N_y) cells.
+
+    Attributes:
+        cost: From the nearest seed; infinite where it has not come yet.
+        parent: Flat index of the next cell on the way to the seed.
+        is_wanted: Whether the search may end without it.
+        buckets: Cells that wait.
+    """
+
+    cost: NDArray[np.float64]
+    parent: NDArray[np.int64]
+    is_wanted: NDArray[np.bool_]
+    buckets: _Buckets
+
+
+@njit(cache=True)
+def _new_search(traversable: NDArray[np.bool_], cell_cost: NDArray[np.float64]) -> _Search:
+    return _Search(
+        np.full(traversable.shape, np.inf),
+        np.full(traversable.shape, NO_PARENT, np.int64),
+        np.zeros(traversable.shape, np.bool_),
+        _buckets(traversable, cell_cost),
+    )
+
+
 @njit(cache=True)
 def shortest_paths(
     traversable: NDArray[np.bool_],
@@ -127,23 +153,72 @@ def shortest_paths(
         (N_x, N_y) costs, infinite without a way, and (N_x, N_y) parents: the flat index of the next
         cell on the way to the seed.
     """
-    rows, columns = traversable.shape
-    cost = np.full((rows, columns), np.inf)
-    parent = np.full((rows, columns), NO_PARENT, dtype=np.int64)
-    buckets = _buckets(traversable, cell_cost)
+    search = _new_search(traversable, cell_cost)
+    cost, parent = search.cost, search.parent
+    limit = _spread((traversable, cell_cost), search, seeds, until, np.inf)
+    for i in range(cost.shape[0]):
+        for j in range(cost.shape[1]):
+            if cost[i, j] > limit:
+                cost[i, j], parent[i, j] = np.inf, NO_PARENT
+    return cost, parent
+
+
+@njit(cache=True)
+def costs_between(
+    traversable: NDArray[np.bool_],
+    cell_cost: NDArray[np.float64],
+    cells: NDArray[np.int64],
+    within: float,
+) -> NDArray[np.float64]:
+    """(N, N) costs between (N, 2) cells inside the grid; infinite without a way, or beyond a cost.
+
+    Costs are those of `shortest_paths`. Both directions cost the same, so that every search looks
+    for the cells before its own alone, and all share their memory.
+    """
+    between = np.full((len(cells), len(cells)), np.inf)
+    search = _new_search(traversable, cell_cost)
+    for k in range(len(cells)):
+        between[k, k] = 0.0 if traversable[cells[k, 0], cells[k, 1]] else np.inf
+        if k == 0:
+            continue
+        search.cost[:] = np.inf
+        search.is_wanted[:] = False
+        search.buckets.first[:] = NONE
+        limit = _spread(
+            (traversable, cell_cost), search, cells[k : k + 1], (cells[:k], 0.0), within
+        )
+        for other in range(k):
+            cost = search.cost[cells[other, 0], cells[other, 1]]
+            if cost <= limit:
+                between[k, other] = between[other, k] = cost
+    return between
+
+
+@njit(cache=True)
+def _spread(
+    ground: tuple[NDArray[np.bool_], NDArray[np.float64]],
+    search: _Search,
+    seeds: NDArray[np.int64],
+    until: tuple[NDArray[np.int64], float],
+    within: float,
+) -> float:
+    """Settle cells in the order of their costs; returns the cost up to which they are settled."""
+    traversable = ground[0]
+    cost, parent, is_wanted, buckets = search
+    columns = traversable.shape[1]
     waiting = 0
     for k in range(len(seeds)):
         i, j = seeds[k]
         if traversable[i, j] and cost[i, j] > 0.0:
-            cost[i, j] = 0.0
+            cost[i, j], parent[i, j] = 0.0, NO_PARENT
             _enter(buckets, i * columns + j, 0.0)
             waiting += 1
-    is_wanted = np.zeros((rows, columns), np.bool_)
     wanted, margin = until
+    missing = 0
     for k in range(len(wanted)):
+        missing += int(not is_wanted[wanted[k, 0], wanted[k, 1]])
         is_wanted[wanted[k, 0], wanted[k, 1]] = True
-    missing, farthest, limit = np.count_nonzero(is_wanted), 0.0, np.inf
-    bucket = 0
+    farthest, limit, bucket = 0.0, within, 0
     while waiting > 0 and bucket * buckets.width <= limit:
         cell = buckets.first[bucket % buckets.first.size]
         if cell == NONE:
@@ -151,17 +226,13 @@ def shortest_paths(
             continue
         i, j = cell // columns, cell % columns
         _leave(buckets, cell, cost[i, j])
-        waiting += _pass_on((traversable, cell_cost), buckets, cost, parent, cell) - 1
+        waiting += _pass_on(ground, buckets, cost, parent, cell) - 1
         if is_wanted[i, j]:
             farthest = max(farthest, cost[i, j])
             missing -= 1
             if missing == 0:
-                limit = farthest + margin
-    for i in range(rows):
-        for j in range(columns):
-            if cost[i, j] > limit:
-                cost[i, j], parent[i, j] = np.inf, NO_PARENT
-    return cost, parent
+                limit = min(within, farthest + margin)
+    return limit
 
 
 @njit(cache=True)

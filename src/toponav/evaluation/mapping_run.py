@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from toponav.config import NavigatorConfig
-from toponav.envs.recording import Recording
 from toponav.mapping.ply import write_ply
 from toponav.mapping.semantic_map import SemanticMap
 from toponav.mapping.view import MapView, PointCloud
@@ -21,7 +21,7 @@ from toponav.memory.graph import TopologicalMemory
 from toponav.perception.base import Detector
 from toponav.perception.object_masks import object_masks
 from toponav.policy.evidence import EvidenceConfig, TargetEvidence
-from toponav.types import Detections
+from toponav.types import Detections, Observation
 
 NODE_SPACING_M = 2.0
 """Path length between two nodes of the memory. A recording has no waypoints, at which the paper
@@ -52,8 +52,20 @@ class MappingRun:
     map_bytes: int
 
 
+class Observations(Protocol):
+    """Posed images in order: a recording of any kind."""
+
+    def __len__(self) -> int:
+        """How many there are, or at most are."""
+        ...
+
+    def __iter__(self) -> Iterator[Observation]:
+        """One after the other."""
+        ...
+
+
 def map_recording(
-    recording: Recording,
+    recording: Observations,
     detector: Detector | None = None,
     config: NavigatorConfig | None = None,
     progress: Progress | None = None,

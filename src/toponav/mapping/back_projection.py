@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 from toponav.errors import ObservationError
-from toponav.mapping.frame_sums import SPAN, DepthWindow, Frame, FrameSums, sum_frame
+from toponav.mapping.frame_sums import (
+    SPAN,
+    DepthWindow,
+    Frame,
+    FrameSums,
+    Masks,
+    Scratch,
+    sum_frame,
+)
 from toponav.mapping.voxels import reach_m
 from toponav.types import Observation
 
@@ -38,12 +44,13 @@ class PosedFrame:
         """What kernels see of it."""
         return self._frame
 
-    def sums(self, resolution: float, masks: Sequence[NDArray[np.bool_]] = ()) -> FrameSums:
+    def sums(self, resolution: float, masks: Masks, scratch: Scratch) -> FrameSums:
         """The frame's points, summed by voxel and by which masks they lie under.
 
         Args:
             resolution: Edge of a voxel, metres.
-            masks: (H, W) each, at most `MAX_LABELS`.
+            masks: Of the whole image, and their labels.
+            scratch: Holds the sums until it is used again.
 
         Raises:
             ObservationError: The camera is too far from the map's origin, or sees too far.
@@ -61,10 +68,9 @@ class PosedFrame:
                 f"voxels of {resolution:g} m are too small for depths of up to "
                 f"{window.max_depth:g} m: raise map.r_pcd or lower map.max_depth_m"
             )
-        labels = np.zeros(frame.depth.shape, np.uint32)
-        for bit, mask in enumerate(masks):
-            _mark(labels, mask[:: window.stride, :: window.stride], bit)
-        return sum_frame(frame, window, labels, resolution)
+        step = window.stride
+        pixels = np.ascontiguousarray(masks.pixels[:, ::step, ::step])
+        return sum_frame(frame, window, Masks(pixels, masks.bits), resolution, scratch)
 
     def columns_seen_through(
         self, plane_z: float, depth_below_m: float, resolution: float
@@ -82,8 +88,8 @@ class PosedFrame:
             (N, 2) world indices of the columns, each once.
         """
         heights = (plane_z, plane_z - depth_below_m)
-        columns = _crossings(self._frame, self._window, heights, resolution)
-        return np.unique(columns, axis=0)
+        columns: NDArray[np.int64] = _crossings(self._frame, self._window, heights, resolution)
+        return columns
 
 
 @njit(cache=True)
@@ -94,6 +100,11 @@ def _crossings(
     plane_z, below_z = heights
     depth, _, ray_x, ray_y, R, t = frame
     height, width = depth.shape
+    steepest = max(abs(ray_x[0]), abs(ray_x[-1])) + max(abs(ray_y[0]), abs(ray_y[-1])) + 1.0
+    reach = int(np.ceil(window.max_depth * steepest / resolution)) + 1
+    corner_i = int(np.floor(t[0] / resolution)) - reach
+    corner_j = int(np.floor(t[1] / resolution)) - reach
+    is_found = np.zeros((2 * reach + 1, 2 * reach + 1), np.bool_)
     found = np.empty((height * width // CROSSING_STRIDE**2 + height + width, 2), np.int64)
     count = 0
     for v in range(0, height, CROSSING_STRIDE):
@@ -109,18 +120,9 @@ def _crossings(
             d = (plane_z - t[2]) / fall
             x = d * (R[0, 0] * ray_x[u] + R[0, 1] * ray_y[v] + R[0, 2]) + t[0]
             y = d * (R[1, 0] * ray_x[u] + R[1, 1] * ray_y[v] + R[1, 2]) + t[1]
-            found[count, 0] = int(np.floor(x / resolution))
-            found[count, 1] = int(np.floor(y / resolution))
-            count += 1
+            i, j = int(np.floor(x / resolution)), int(np.floor(y / resolution))
+            if not is_found[i - corner_i, j - corner_j]:
+                is_found[i - corner_i, j - corner_j] = True
+                found[count, 0], found[count, 1] = i, j
+                count += 1
     return found[:count]
-
-
-def _mark(labels: NDArray[np.uint32], mask: NDArray[np.bool_], bit: int) -> None:
-    """Set a bit wherever a mask is."""
-    rows = np.flatnonzero(mask.any(axis=1))
-    if not len(rows):
-        return
-    top, bottom = rows[0], rows[-1] + 1
-    columns = np.flatnonzero(mask[top:bottom].any(axis=0))
-    box = np.s_[top:bottom, columns[0] : columns[-1] + 1]
-    labels[box] |= mask[box].astype(np.uint32) << np.uint32(bit)

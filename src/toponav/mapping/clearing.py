@@ -4,7 +4,8 @@ Not in the paper, whose scenes stand still. The middle of a voxel, its footprint
 the image. Where everything that the image shows there lies well behind it, and no pixel of the
 image falls into the voxel, nothing can be there any more; after enough such frames in a row it
 goes. Where the image shows something as near as it, it stays; where something nearer hides it, or
-a pixel of the footprint has no return, the frame says nothing.
+a pixel of the footprint has no return, the frame says nothing. The pixel in the middle settles
+most of them, and most tiles of the map are not in the image at all: a frame costs what it shows.
 """
 
 from __future__ import annotations
@@ -26,14 +27,20 @@ TILE_M = 1.0
 NONE = -1
 """No slot."""
 
+SHOWN = 255
+"""Instead of a number of frames: this frame has points in the voxel, it is there, however thin."""
+
 FOOTPRINT_SAMPLES = 5
 """Pixels along each side of a footprint that are looked at."""
+
+LEAST_LEVEL = 0.3
+"""Sine of the angle between the camera's axis and the vertical under which it looks up or down."""
 
 
 class ClearingConfig(ConfigModel):
     """When a voxel has gone."""
 
-    frames: int = Field(default=2, ge=1, le=255)
+    frames: int = Field(default=2, ge=1, lt=SHOWN)
     """Frames in a row that must look through it: more than the noise of one."""
 
     margin_m: float = Field(default=0.12, gt=0.0)
@@ -124,11 +131,10 @@ class Clearing:
             resolution: Edge of a voxel, metres.
             touched: (K,) slots that the frame itself shows.
         """
-        self._misses[touched] = 0
+        self._misses[touched] = SHOWN
         gone = _look(frame, voxels, self._misses, self._tiles, self._rules(resolution))
-        if len(gone):
-            gone = gone[~np.isin(gone, touched)]  # what the frame shows is there, however thin
-            self._misses[gone] = 0
+        self._misses[touched] = 0
+        self._misses[gone] = 0
         return gone
 
     def _rules(self, resolution: float) -> _Rules:
@@ -175,6 +181,60 @@ def _link(tiles: _Tiles, local: NDArray[np.int64], start: int) -> None:
         tiles.first[i, j] = start + row
 
 
+class _Sight(NamedTuple):
+    """What can be in an image, seen from above; tangents grow to the camera's left.
+
+    Attributes:
+        forward: (2,) unit vector, or zeros where the camera looks almost straight up or down: then
+            everything around it can be.
+        tangents: Least and greatest, from `forward`.
+    """
+
+    forward: NDArray[np.float64]
+    tangents: tuple[float, float]
+
+
+@njit(cache=True)
+def _sight_of(frame: Frame) -> _Sight:
+    R = frame.rotation
+    level = np.hypot(R[0, 2], R[1, 2])
+    forward = np.zeros(2)
+    low, high = np.inf, -np.inf
+    if level < LEAST_LEVEL:
+        return _Sight(forward, (low, high))
+    x, y = R[0, 2] / level, R[1, 2] / level
+    for ray_x in (frame.ray_x[0], frame.ray_x[-1]):
+        for ray_y in (frame.ray_y[0], frame.ray_y[-1]):
+            east = R[0, 0] * ray_x + R[0, 1] * ray_y + R[0, 2]
+            north = R[1, 0] * ray_x + R[1, 1] * ray_y + R[1, 2]
+            ahead = x * east + y * north
+            if ahead <= 0.0:
+                return _Sight(forward, (low, high))
+            tangent = (x * north - y * east) / ahead
+            low, high = min(low, tangent), max(high, tangent)
+    forward[0], forward[1] = x, y
+    return _Sight(forward, (low, high))
+
+
+@njit(cache=True)
+def _may_be_seen(sight: _Sight, east: float, north: float, range_m: float) -> bool:
+    """Whether anything of a tile, its middle so far from the camera, can be in the image."""
+    radius = np.sqrt(0.5) * TILE_M
+    if np.hypot(east, north) > range_m + radius:
+        return False
+    x, y = sight.forward
+    if x == 0.0 and y == 0.0:
+        return True
+    ahead, left = x * east + y * north, x * north - y * east
+    low, high = sight.tangents
+    may_be_seen: bool = (
+        ahead > -radius
+        and left - high * ahead < radius * np.hypot(1.0, high)
+        and low * ahead - left < radius * np.hypot(1.0, low)
+    )
+    return may_be_seen
+
+
 @njit(cache=True)
 def _look(
     frame: Frame,
@@ -186,24 +246,32 @@ def _look(
     """Count the frames that look through each voxel about; returns those looked through enough."""
     points, counts, layers = voxels
     t = frame.translation
-    low_i = max(0, int(np.floor((t[0] - rules.range_m) / TILE_M)) - tiles.corner[0])
-    low_j = max(0, int(np.floor((t[1] - rules.range_m) / TILE_M)) - tiles.corner[1])
-    high_i = int(np.floor((t[0] + rules.range_m) / TILE_M)) - tiles.corner[0] + 1
-    high_j = int(np.floor((t[1] + rules.range_m) / TILE_M)) - tiles.corner[1] + 1
+    reach_m = rules.range_m
+    low_i = max(0, int(np.floor((t[0] - reach_m) / TILE_M)) - tiles.corner[0])
+    low_j = max(0, int(np.floor((t[1] - reach_m) / TILE_M)) - tiles.corner[1])
+    high_i = int(np.floor((t[0] + reach_m) / TILE_M)) - tiles.corner[0] + 1
+    high_j = int(np.floor((t[1] + reach_m) / TILE_M)) - tiles.corner[1] + 1
+    sight, projection = _sight_of(frame), _projection_of(frame)
     gone = []
     for i in range(low_i, min(high_i, tiles.first.shape[0])):
         for j in range(low_j, min(high_j, tiles.first.shape[1])):
+            east = (tiles.corner[0] + i + 0.5) * TILE_M - t[0]
+            north = (tiles.corner[1] + j + 0.5) * TILE_M - t[1]
+            if not _may_be_seen(sight, east, north, reach_m):
+                continue
             slot = tiles.first[i, j]
             while slot != NONE:
-                is_stairs = layers[slot] >= 0 and layers[slot] % LAYERS == STAIRS
-                if counts[slot] > 0 and not is_stairs:
-                    seen = _through(frame, points[slot], rules)
-                    if seen == THROUGH:
-                        misses[slot] += 1
-                        if misses[slot] >= rules.frames:
-                            gone.append(slot)
-                    elif seen == THERE:
-                        misses[slot] = 0
+                seen = UNSEEN
+                if counts[slot] > 0 and misses[slot] != SHOWN:
+                    seen = _through(frame, projection, points, slot, rules)
+                if seen == THERE and misses[slot] > 0:
+                    misses[slot] = 0
+                elif seen == THROUGH and not (
+                    layers[slot] >= 0 and layers[slot] % LAYERS == STAIRS
+                ):
+                    misses[slot] += 1
+                    if misses[slot] >= rules.frames:
+                        gone.append(slot)
                 slot = tiles.after[slot]
     return np.array(gone, dtype=np.int32)
 
@@ -212,34 +280,73 @@ UNSEEN, THERE, THROUGH = 0, 1, 2
 """What a frame says of a voxel."""
 
 
+class _Projection(NamedTuple):
+    """From the world into the image: focal lengths and principal point, pixels."""
+
+    focal_u: float
+    focal_v: float
+    center_u: float
+    center_v: float
+
+
 @njit(cache=True)
-def _through(frame: Frame, point: NDArray[np.float32], rules: _Rules) -> int:
+def _projection_of(frame: Frame) -> _Projection:
+    # The rays' tangents are evenly spaced: a focal length in pixels is one over the spacing.
+    focal_u = 1.0 / (frame.ray_x[1] - frame.ray_x[0])
+    focal_v = 1.0 / (frame.ray_y[1] - frame.ray_y[0])
+    return _Projection(
+        focal_u, focal_v, -frame.ray_x[0] * focal_u + 0.5, -frame.ray_y[0] * focal_v + 0.5
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def _through(
+    frame: Frame,
+    projection: _Projection,
+    points: NDArray[np.float32],
+    slot: int,
+    rules: _Rules,
+) -> int:
     """Whether the image shows something at a voxel, or only what lies behind it."""
-    R = frame.rotation
-    x = point[0] - frame.translation[0]
-    y = point[1] - frame.translation[1]
-    z = point[2] - frame.translation[2]
+    R, image = frame.rotation, frame.depth
+    x = float(points[slot, 0]) - frame.translation[0]
+    y = float(points[slot, 1]) - frame.translation[1]
+    z = float(points[slot, 2]) - frame.translation[2]
     depth = R[0, 2] * x + R[1, 2] * y + R[2, 2] * z
     if depth < 2.0 * rules.half_m or depth > rules.range_m:
         return UNSEEN
-    height, width = frame.depth.shape
-    # The rays' tangents are evenly spaced: a focal length in pixels is one over the spacing.
-    step_x, step_y = frame.ray_x[1] - frame.ray_x[0], frame.ray_y[1] - frame.ray_y[0]
-    u = ((R[0, 0] * x + R[1, 0] * y + R[2, 0] * z) / depth - frame.ray_x[0]) / step_x
-    v = ((R[0, 1] * x + R[1, 1] * y + R[2, 1] * z) / depth - frame.ray_y[0]) / step_y
-    half_u, half_v = rules.half_m / (depth * step_x), rules.half_m / (depth * step_y)
-    if u < half_u or v < half_v or u > width - 1 - half_u or v > height - 1 - half_v:
+    # Half a pixel more, so that the integer part is the nearest pixel.
+    nearness = 1.0 / depth
+    per_u, per_v = projection.focal_u * nearness, projection.focal_v * nearness
+    u = (R[0, 0] * x + R[1, 0] * y + R[2, 0] * z) * per_u + projection.center_u
+    v = (R[0, 1] * x + R[1, 1] * y + R[2, 1] * z) * per_v + projection.center_v
+    half_u, half_v = rules.half_m * per_u, rules.half_m * per_v
+    last_v, last_u = image.shape[0] - 0.5, image.shape[1] - 0.5
+    if not (half_u + 0.5 <= u <= last_u - half_u and half_v + 0.5 <= v <= last_v - half_v):
         return UNSEEN
     margin = rules.margin_m + rules.margin_per_m2 * depth * depth
-    nearest = np.inf
+    middle = image[int(v), int(u)]
+    if middle <= depth + margin:
+        return THERE if middle > max(0.0, depth - margin) else UNSEEN
+    return _through_footprint(image, (u, v), (half_u, half_v), (depth - margin, depth + margin))
+
+
+@njit(cache=True)
+def _through_footprint(
+    image: NDArray[np.float32],
+    center: tuple[float, float],
+    half: tuple[float, float],
+    there: tuple[float, float],
+) -> int:
+    """What the whole footprint says; the depths `there` are the voxel's own, give or take."""
+    seen = THROUGH
     for a in range(FOOTPRINT_SAMPLES):
-        row = int(np.rint(v + half_v * (2.0 * a / (FOOTPRINT_SAMPLES - 1) - 1.0)))
+        row = int(center[1] + half[1] * (2.0 * a / (FOOTPRINT_SAMPLES - 1) - 1.0))
         for b in range(FOOTPRINT_SAMPLES):
-            column = int(np.rint(u + half_u * (2.0 * b / (FOOTPRINT_SAMPLES - 1) - 1.0)))
-            seen = frame.depth[row, column]
-            if seen <= 0.0:
+            column = int(center[0] + half[0] * (2.0 * b / (FOOTPRINT_SAMPLES - 1) - 1.0))
+            depth = image[row, column]
+            if depth <= 0.0 or depth < there[0]:
                 return UNSEEN
-            nearest = min(nearest, seen)
-            if nearest < depth - margin:
-                return UNSEEN
-    return THERE if nearest <= depth + margin else THROUGH
+            if depth <= there[1]:
+                seen = THERE
+    return seen

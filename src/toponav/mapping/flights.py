@@ -26,6 +26,10 @@ parts of a flight are hidden, and what is nearer to the foot than this lies unde
 STEP_GAP_M = 0.4
 """Between the lowest tread and the floor, a riser and the shadow of an edge may be unseen."""
 
+LOWEST_TREAD_M = 0.08
+"""The first tread of a flight that leads up is at least this high; one that leads down begins on
+the floor itself."""
+
 FLIGHT_END_M = 0.3
 """Treads this much below the highest of a flight, or above its lowest, are not its end."""
 
@@ -95,7 +99,8 @@ def _fill(
         heights = np.where(filled, mean, heights).astype(np.float32)
     away, nearest = distance_transform_edt(~treads, return_indices=True)
     guessed = (cells == FREE) & ~floor & (away <= reach)
-    guessed &= np.abs(heights[tuple(nearest)]) > FLIGHT_END_M  # at its ends there is a landing
+    tread = heights[tuple(nearest)]
+    guessed &= (tread < LOWEST_TREAD_M) | (tread > FLIGHT_END_M)  # before a flight's foot is floor
     cells = np.where(guessed & ~treads, np.int8(DROP), cells)
     step = treads & (np.abs(heights) <= FLIGHT_END_M)
     steps = round(0.5 * STEP_GAP_M / resolution)

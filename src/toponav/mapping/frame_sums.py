@@ -129,27 +129,57 @@ class _Gathered(NamedTuple):
         )
 
 
-def sum_frame(
-    frame: Frame, window: DepthWindow, labels: NDArray[np.uint32], resolution: float
-) -> FrameSums:
-    """Sum the pixels of a frame by voxel and labels.
+class Masks(NamedTuple):
+    """What is labelled in a frame.
 
-    Args:
-        frame: The images and the pose, within `SPAN` / 2 voxels of everything that it shows.
-        window: Which pixels count.
-        labels: (H, W) labels of every pixel of the frame, a bit each.
-        resolution: Edge of a voxel, metres.
+    Attributes:
+        pixels: (N, H, W) bool instances.
+        bits: (N,) the label of each, under `MAX_LABELS`; a negative one does not count.
     """
-    pixels = frame.depth.size
-    gathered = _Gathered(
+
+    pixels: NDArray[np.bool_]
+    bits: NDArray[np.int64]
+
+
+class Scratch:
+    """Room for the sums of a frame, taken once for many: fresh memory costs more than the sums."""
+
+    def __init__(self) -> None:
+        """Take none yet."""
+        self._gathered = _room_for(0)
+
+    def for_pixels(self, pixels: int) -> _Gathered:
+        """Room for that many sums; what the last call handed out is overwritten."""
+        if len(self._gathered.codes) < pixels:
+            self._gathered = _room_for(pixels)
+        return self._gathered
+
+
+def _room_for(pixels: int) -> _Gathered:
+    return _Gathered(
         np.empty(pixels, np.float64),
         np.empty(pixels, np.uint32),
         np.empty((pixels, 3), np.float64),
         np.empty((pixels, 3), np.uint32),
         np.empty(pixels, np.int32),
     )
+
+
+def sum_frame(
+    frame: Frame, window: DepthWindow, masks: Masks, resolution: float, scratch: Scratch
+) -> FrameSums:
+    """Sum the pixels of a frame by voxel and labels.
+
+    Args:
+        frame: The images and the pose, within `SPAN` / 2 voxels of everything that it shows.
+        window: Which pixels count.
+        masks: What is labelled, at every `stride`-th pixel like the frame.
+        resolution: Edge of a voxel, metres.
+        scratch: Holds the sums until it is used again.
+    """
+    gathered = scratch.for_pixels(frame.depth.size)
     camera = np.floor(frame.translation / resolution)
-    found = _gather_frame(frame, window, labels, (camera, resolution), gathered)
+    found = _gather_frame(frame, window, masks, (camera, resolution), gathered)
     gathered = gathered.first(found)
     keys, offsets = _to_world(frame, (camera, resolution), gathered)
     sums = VoxelSums(keys, offsets, gathered.color_sums, gathered.counts)
@@ -160,7 +190,7 @@ def sum_frame(
 def _gather_frame(
     frame: Frame,
     window: DepthWindow,
-    labels: NDArray[np.uint32],
+    masks: Masks,
     lattice: tuple[NDArray[np.float64], float],
     gathered: _Gathered,
 ) -> int:
@@ -174,6 +204,7 @@ def _gather_frame(
         np.zeros(width + 1, np.uint64),
         np.empty(width + 1, np.int32),
     )
+    labels = np.zeros(width, np.uint32)
     recent = np.zeros(RECENT, np.int32)
     gathered.codes[0], found = NOWHERE, 0
     for v in range(height):
@@ -186,10 +217,21 @@ def _gather_frame(
             line = (slope, start, frame.translation[axis])
             _encode(depth, frame.ray_x, line, (camera[axis], resolution), row.codes)
         _leave_out(depth, window, row.codes)
-        runs = _find_runs(row.codes, labels[v], row.starts)
+        labels[:] = 0
+        for instance in range(masks.bits.size):
+            if masks.bits[instance] >= 0:
+                _label(masks.pixels[instance, v], np.uint32(1 << masks.bits[instance]), labels)
+        runs = _find_runs(row.codes, labels, row.starts)
         _accumulate(depth, frame.ray_x, frame.rgb[v], row)
-        found = _gather_row((row, runs, frame.ray_y[v]), labels[v], recent, gathered, found)
+        found = _gather_row((row, runs, frame.ray_y[v]), labels, recent, gathered, found)
     return found
+
+
+@njit(cache=True)
+def _label(mask: NDArray[np.bool_], label: np.uint32, labels: NDArray[np.uint32]) -> None:
+    """Set a label's bit along a row wherever its mask is."""
+    for u in range(labels.size):
+        labels[u] |= label * np.uint32(mask[u])
 
 
 @njit(cache=True, error_model="numpy")

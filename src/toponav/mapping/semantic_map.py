@@ -29,7 +29,7 @@ from toponav.mapping.back_projection import PosedFrame
 from toponav.mapping.clearing import Clearing, ClearingConfig, Voxels
 from toponav.mapping.flights import beside_unknown, ends_of_flights, filled_flights
 from toponav.mapping.floors import Floor, FloorLayers
-from toponav.mapping.frame_sums import MAX_LABELS, DepthWindow
+from toponav.mapping.frame_sums import MAX_LABELS, DepthWindow, Masks, Scratch
 from toponav.mapping.frontiers import FrontierMap
 from toponav.mapping.ground import height_of, heights_ahead, level_area_m2
 from toponav.mapping.interpolation import Spacing, disc, interpolate
@@ -156,6 +156,7 @@ class SemanticMap:
     def __init__(self, config: MapConfig | None = None) -> None:
         """Create an empty map."""
         self.config = config or MapConfig()
+        self._scratch = Scratch()
         self.reset()
 
     def reset(self) -> None:
@@ -247,12 +248,15 @@ class SemanticMap:
 
     def _add_points(self, frame: PosedFrame, detections: Detections) -> tuple[str, ...]:
         """M_scene, and M_obj^(c) of every detected category; returns those with a point."""
-        masks = _masks_by_label(detections)
-        labels = tuple(masks)
+        labels = tuple(dict.fromkeys(detections.labels))
+        rank = {label: index for index, label in enumerate(labels)}
+        ranks = np.array([rank[label] for label in detections.labels], np.int64)
         seen = []
         for start in range(0, max(1, len(labels)), MAX_LABELS):
             chunk = labels[start : start + MAX_LABELS]
-            sums = frame.sums(self.config.r_pcd, [masks[label] for label in chunk])
+            bits = np.where(ranks < start + MAX_LABELS, ranks - start, -1)
+            masks = Masks(detections.masks, bits)
+            sums = frame.sums(self.config.r_pcd, masks, self._scratch)
             if start == 0:
                 self._scene.add_sums(sums.voxels)
             seen += [label for bit, label in enumerate(chunk) if self._add(label, sums.of(bit))]
@@ -442,19 +446,6 @@ class SemanticMap:
         columns = columns_of(floor.bridges.arrays.keys[: len(bridges)])
         gaps = np.flatnonzero(~floor.grid.observed(columns))
         return _rows((slots, self._layers.navigable(floor)), (bridges, gaps))
-
-
-def _masks_by_label(detections: Detections) -> dict[str, NDArray[np.bool_]]:
-    """(H, W) of every category that was detected: where any of its instances is."""
-    instances: dict[str, list[int]] = {}
-    for row, label in enumerate(detections.labels):
-        instances.setdefault(label, []).append(row)
-    return {
-        label: detections.masks[rows[0]]
-        if len(rows) == 1
-        else np.logical_or.reduce(detections.masks[rows])
-        for label, rows in instances.items()
-    }
 
 
 def _rows(*parts: tuple[PointCloud, NDArray[np.int64]]) -> PointCloud:

@@ -110,6 +110,7 @@ class VoxelCloud:
         self.resolution = resolution
         self._arrays = _allocate(INITIAL_CAPACITY)
         self.has_gaps = False
+        self._without_gaps: PointCloud | None = None
 
     @classmethod
     def from_sums(
@@ -192,8 +193,10 @@ class VoxelCloud:
 
     def clear(self, slots: NDArray[np.int32]) -> None:
         """Empty voxels; their slots stay, and take points again when some come."""
+        if not len(slots):
+            return
         arrays = self._arrays
-        self.has_gaps = True
+        self.has_gaps, self._without_gaps = True, None
         arrays.counts[slots] = 0
         arrays.offset_sums[slots], arrays.color_sums[slots] = 0.0, 0
 
@@ -208,6 +211,8 @@ class VoxelCloud:
             Their slots, in the order in which they were touched, each once.
         """
         count = int(self._arrays.sizes[TOUCHED])
+        if count:
+            self._without_gaps = None
         slots = self._arrays.touched[:count].copy()
         _update_centroids(self._arrays, self.resolution)
         return slots
@@ -221,9 +226,11 @@ class VoxelCloud:
         slots = self.slots()
         if not self.has_gaps:
             return slots
-        kept = slots.counts > 0
-        points, colors, counts = slots.points[kept], slots.colors[kept], slots.counts[kept]
-        return PointCloud(frozen(points), frozen(colors), frozen(counts))
+        if self._without_gaps is None:
+            kept = slots.counts > 0
+            points, colors, counts = slots.points[kept], slots.colors[kept], slots.counts[kept]
+            self._without_gaps = PointCloud(frozen(points), frozen(colors), frozen(counts))
+        return self._without_gaps
 
     def slots(self) -> PointCloud:
         """All slots, with a count of 0 for those that were emptied: views of the live storage."""
