@@ -31,13 +31,14 @@ def exported(tmp_path_factory: pytest.TempPathFactory) -> Scene:
 
 
 def test_both_simulators_agree(exported: Scene) -> None:
-    figures = bench_habitat(exported, CONFIG, poses=50, pairs=100, actions=100)
+    figures = bench_habitat(exported, CONFIG, poses=50, pairs=100, actions=500)
     assert figures["depth_m"] < 0.01
     assert figures["ids"] >= 0.99
     assert figures["rgb"] < 10.0
     assert figures["geodesic_ok"] == 1.0
-    assert figures["walk"] >= 50
-    assert figures["collisions"] >= 0.98
+    assert figures["walk"] == 500
+    assert figures["walk_m"] < 0.05
+    assert figures["collisions"] >= 0.998
     areas = figures["area_m2"]
     assert areas["habitat"] == pytest.approx(areas["embedded"], rel=0.005)
 

@@ -119,6 +119,16 @@ def test_a_move_stays_on_its_line_and_on_the_surface(
     assert motion.collided == (along < distance - 1e-9)
 
 
+@pytest.mark.parametrize("slope_deg", [0.2, 1.0, 5.0])
+def test_at_a_wall_a_step_that_grazes_it_ends_where_it_began(slope_deg: float) -> None:
+    surface = NavigableSurface.build(room(), floors=(0.0,))
+    touching = surface.move((2.0, 2.0, 0.0), -math.pi / 2, 3.0)
+    grazing = surface.move(touching.position, -math.radians(slope_deg), 0.25)
+    assert touching.collided and grazing.collided
+    # habitat-sim's agent stands on the border itself: it does not move at all.
+    assert math.dist(grazing.position, touching.position) < 1e-3
+
+
 def test_points_off_the_surface() -> None:
     surface = NavigableSurface.build(room(extra=[CRATE]), floors=(0.0,))
     inside_crate = (4.5, 2.8, 0.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +13,9 @@ from toponav.envs.habitat.navmesh_file import navmesh_bytes
 from toponav.envs.simulator.agent_body import AgentBody
 from toponav.envs.simulator.convex_mesh import ConvexMesh, convex_mesh
 from toponav.envs.simulator.navigation import NavigableSurface
+from toponav.envs.simulator.span_graph import subset
 from toponav.errors import SceneError
+from toponav.evaluation.objectnav_export import DatasetPlan, export_dataset
 from toponav.scenes.loading import load_scene
 
 
@@ -103,3 +106,15 @@ def test_a_surface_too_large_for_detour_is_refused() -> None:
     empty = ConvexMesh(np.zeros((0, 3)), (), ())
     with pytest.raises(SceneError, match="1 to 65535"):
         navmesh_bytes(empty, AgentBody())
+
+
+def test_an_exported_navmesh_is_that_of_the_exported_file(tmp_path: Path) -> None:
+    """In this house single precision takes ten cells from the surface."""
+    house = load_scene("generated:0")
+    files = export_dataset([house], DatasetPlan(tmp_path / "data", episodes=1))
+    stage = load_scene(str(next(path for path in files if path.suffix == ".glb")))
+    surface = NavigableSurface.build(stage.mesh, floors=stage.floors)
+    assert surface.area != NavigableSurface.build(house.mesh, floors=house.floors).area
+    floor = subset(surface.graph, surface.graph.island == surface.main_island)
+    written = stage.stage.with_suffix(".navmesh").read_bytes()
+    assert written == navmesh_bytes(convex_mesh(floor), AgentBody())

@@ -1,19 +1,20 @@
-"""How fast the simulator renders: RGB, depth and ids on one core."""
+"""How fast the simulator renders: RGB, depth and ids with each renderer, frame about."""
 
 from __future__ import annotations
 
 import math
 import os
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 
 from toponav.envs.simulator.navigation import NavigableSurface
-from toponav.envs.simulator.rasterizer import Rasterizer
-from toponav.envs.simulator.raycaster import RayCaster
-from toponav.envs.simulator.renderer import Renderer
+from toponav.envs.simulator.renderer import CameraRenderer
+from toponav.envs.simulator.renderers import RendererName, make_renderer
+from toponav.envs.simulator.row_blocks import usable_cores
 from toponav.geometry import Intrinsics, Pose
 from toponav.geometry.conventions import BODY_FROM_OPTICAL
 from toponav.scenes.mesh import Scene
@@ -23,50 +24,69 @@ HFOV_DEG = 79.0
 WARM_UP_FRAMES = 3
 
 
-def bench_sim(scene: Scene, width: int, height: int, frames: int, seed: int = 0) -> dict[str, Any]:
+def bench_sim(
+    scene: Scene,
+    renderers: Sequence[RendererName],
+    size: tuple[int, int],
+    frames: int,
+    seed: int = 0,
+) -> dict[str, Any]:
     """Render frames at random places of a scene and time them.
+
+    The renderers take turns at every place, so that whatever else the machine does slows them all.
 
     Args:
         scene: Where.
-        width: Columns.
-        height: Rows.
+        renderers: Which; each uses all cores that this process may use.
+        size: Columns and rows.
         frames: How many are timed.
         seed: Seeds the places.
 
     Returns:
-        `sim_fps` by renderer: `raster` is the simulator's, `embree` casts a ray a pixel instead
-        (one over the median frame); `frame_ms` of the former, of which `visibility_ms` find the
-        triangles and the rest shades them; `surface_s` to build the navigable surface;
-        `triangles`; `cores` (of the machine; one is used).
+        `sim_fps` by renderer, one over the median frame; `frame_ms`, that median; `cpu_ms`, the
+        median processor time of a frame on all cores together, which other processes disturb
+        less; `surface_s` to build the navigable surface; `triangles`; `cores` in use.
     """
     started = time.perf_counter()
     surface = NavigableSurface.build(scene.mesh, floors=scene.floors)
     surface_s = time.perf_counter() - started
-    rasterizer, caster = Rasterizer(scene.mesh), RayCaster(scene.mesh)
-    renderers = {
-        "raster": Renderer(scene.mesh, rasterizer),
-        "embree": Renderer(scene.mesh, caster),
-    }
-    intrinsics = Intrinsics.from_hfov(width, height, HFOV_DEG)
-    poses = _camera_poses(surface, WARM_UP_FRAMES + frames, np.random.default_rng(seed))
-    frame_s = {
-        name: _median_seconds(renderer.render, poses, intrinsics)
-        for name, renderer in renderers.items()
-    }
-    visibility_s = _median_seconds(rasterizer.visible_faces, poses, intrinsics)
+    made = {name: make_renderer(name, scene.mesh) for name in renderers}
+    intrinsics = Intrinsics.from_hfov(*size, HFOV_DEG)
+    seconds: dict[str, list[tuple[float, float]]] = {name: [] for name in renderers}
+    for pose in camera_poses(surface, WARM_UP_FRAMES + frames, np.random.default_rng(seed)):
+        for name, renderer in made.items():
+            seconds[name].append(_seconds(renderer, pose, intrinsics))
+    median = {name: np.median(both[WARM_UP_FRAMES:], axis=0) for name, both in seconds.items()}
     return {
         "scene": scene.name,
-        "size": [width, height],
+        "size": list(size),
         "triangles": len(scene.mesh.faces),
-        "sim_fps": {name: 1.0 / seconds for name, seconds in frame_s.items()},
-        "frame_ms": 1e3 * frame_s["raster"],
-        "visibility_ms": 1e3 * visibility_s,
+        "sim_fps": {name: float(1.0 / wall) for name, (wall, _) in median.items()},
+        "frame_ms": {name: float(1e3 * wall) for name, (wall, _) in median.items()},
+        "cpu_ms": {name: float(1e3 * cpu) for name, (_, cpu) in median.items()},
         "surface_s": surface_s,
-        "cores": os.cpu_count(),
+        "cores": usable_cores(),
     }
 
 
-def _camera_poses(surface: NavigableSurface, count: int, rng: np.random.Generator) -> list[Pose]:
+@contextmanager
+def only_cores(count: int | None) -> Iterator[None]:
+    """Keep this thread, and those it starts meanwhile, on the first cores; None leaves it alone.
+
+    Systems without CPU affinity keep all their cores.
+    """
+    if count is None or not hasattr(os, "sched_setaffinity"):
+        yield
+        return
+    before = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, sorted(before)[:count])
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, before)
+
+
+def camera_poses(surface: NavigableSurface, count: int, rng: np.random.Generator) -> list[Pose]:
     """Level cameras at random places where an agent can stand."""
     base_from_camera = Pose.from_yaw(0.0, (0.0, 0.0, CAMERA_HEIGHT_M)) @ BODY_FROM_OPTICAL
     return [
@@ -75,13 +95,8 @@ def _camera_poses(surface: NavigableSurface, count: int, rng: np.random.Generato
     ]
 
 
-def _median_seconds(
-    see: Callable[[Pose, Intrinsics], object], poses: Sequence[Pose], intrinsics: Intrinsics
-) -> float:
-    """Median time of seeing from each pose, those of the warm-up left out."""
-    seconds = []
-    for pose in poses:
-        started = time.perf_counter()
-        see(pose, intrinsics)
-        seconds.append(time.perf_counter() - started)
-    return float(np.median(seconds[WARM_UP_FRAMES:]))
+def _seconds(renderer: CameraRenderer, pose: Pose, intrinsics: Intrinsics) -> tuple[float, float]:
+    """Time that passes for a frame, and processor time of all threads."""
+    started, used = time.perf_counter(), time.process_time()
+    renderer.render(pose, intrinsics)
+    return time.perf_counter() - started, time.process_time() - used

@@ -34,7 +34,12 @@ from toponav.evaluation.run_config import run_config
 from toponav.evaluation.runner import SceneRunner
 from toponav.files import write_atomic
 from toponav.geometry.conventions import HABITAT_FROM_WORLD, habitat_rotation
-from toponav.scenes.habitat.export import FIRST_ID, scene_dataset_config, write_habitat_scene
+from toponav.scenes.habitat.export import (
+    FIRST_ID,
+    as_stored,
+    scene_dataset_config,
+    write_habitat_scene,
+)
 from toponav.scenes.mesh import Scene, SceneEpisode
 
 VERSION = "v1"
@@ -110,10 +115,11 @@ def export_dataset(scenes: Iterable[Scene], plan: DatasetPlan) -> list[Path]:
     for scene in scenes:
         if scene.name in contents:
             raise InputError(f"two scenes are called {scene.name!r}: give each its own name")
-        runner = SceneRunner(scene, run_config("default", seed=plan.seed))
+        stored = as_stored(scene)
+        runner = SceneRunner(stored, run_config("default", seed=plan.seed))
         contents[scene.name] = _scene_content(runner, plan)
-        stage = write_habitat_scene(scene, plan.scenes / scene.name, scene.name)
-        write_atomic(stage.with_suffix(".navmesh"), _navmesh(scene, runner.env.config.body))
+        stage = write_habitat_scene(stored, plan.scenes / scene.name, scene.name)
+        write_atomic(stage.with_suffix(".navmesh"), _navmesh(stored, runner.env.config.body))
         stages.append(PurePosixPath(scene.name, stage.name))
         written.append(stage)
     if not contents:

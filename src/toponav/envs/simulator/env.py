@@ -18,7 +18,8 @@ from toponav.envs.simulator.agent_body import AgentBody
 from toponav.envs.simulator.navigation import NavigableSurface
 from toponav.envs.simulator.oracle import SceneOracle
 from toponav.envs.simulator.raycaster import RayCaster
-from toponav.envs.simulator.renderer import CameraRenderer, Renderer
+from toponav.envs.simulator.renderer import CameraRenderer
+from toponav.envs.simulator.renderers import RendererName, make_renderer
 from toponav.envs.simulator.sensors import NoiseConfig, SensorNoise, clip_range
 from toponav.envs.surface import Surface
 from toponav.errors import EpisodeError, InputError
@@ -74,6 +75,10 @@ class HouseEnvConfig(ConfigModel):
 
     max_steps: int = Field(default=500, ge=1)
     """Actions after which an episode is cut off."""
+
+    renderer: RendererName = "raster"
+    """What draws the images of the embedded simulator: `raster`, `embree` or `gl` (OpenGL, extra
+    `gl`). They differ in single pixels at edges: results with different ones are not bit-equal."""
 
     body: AgentBody = Field(default_factory=AgentBody)
     """The cylinder that moves."""
@@ -175,6 +180,32 @@ class HouseEnv(gymnasium.Env[dict[str, Any], Any]):
         self._sense()
         return self._as_dict(), reward, terminated, truncated, {}
 
+    def drive(self, distance: float, turn: float) -> None:
+        """Move as a continuous body does: turn, then go straight on; `look` shows the new image.
+
+        Args:
+            distance: Metres along the new heading; a negative one stands still.
+            turn: Radians, counter-clockwise.
+
+        Raises:
+            EpisodeError: The environment has not been reset.
+        """
+        self.observe()
+        before = self._world_from_base()
+        self.yaw = math.remainder(self.yaw + turn, math.tau)
+        motion = self.surface.move(self.position, self.yaw, max(0.0, distance))
+        self.position, self.collided = motion.position, motion.collided
+        self._noise.moved(before, self._world_from_base())
+
+    def look(self) -> Observation:
+        """A new image from where the body stands."""
+        self._sense()
+        return self.observe()
+
+    def reported_pose(self) -> Pose:
+        """`world_from_base` as odometry reports it, with its drift, without a new image."""
+        return self._noise.reported(self._world_from_base())
+
     def render(self) -> NDArray[np.uint8] | None:
         """The last image, in mode `rgb_array`."""
         return self.observe().rgb if self.render_mode == "rgb_array" else None
@@ -271,7 +302,7 @@ class HouseEnv(gymnasium.Env[dict[str, Any], Any]):
     def _load_world(self) -> tuple[Surface, CameraRenderer]:
         """Where the agent can be, and what its camera sees; another simulator brings its own."""
         surface = NavigableSurface.build(self.scene.mesh, self.config.body, self.scene.floors)
-        return surface, Renderer(self.scene.mesh)
+        return surface, make_renderer(self.config.renderer, self.scene.mesh)
 
     def _next_from(self, options: dict[str, Any]) -> SceneEpisode:
         """The episode of a reset: as the options say, else the scene's own in turn."""

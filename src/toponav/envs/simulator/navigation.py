@@ -24,7 +24,7 @@ from toponav.scenes.mesh import SceneMesh
 SNAP_DISTANCE_M = 0.5
 """How far a point may be from the surface to be moved onto it."""
 
-CONTACT_MARGIN_M = 1e-4
+CONTACT_MARGIN_M = 1e-6
 """A blocked agent stops this far before the border of its cell, so that it stays inside."""
 
 FLOOR_TOLERANCE_M = 0.2

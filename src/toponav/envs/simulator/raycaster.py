@@ -7,8 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
+from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
+from toponav.envs.simulator.row_blocks import for_row_blocks, usable_cores
 from toponav.geometry import Intrinsics, Pose
 from toponav.scenes.mesh import SceneMesh
 
@@ -29,13 +31,19 @@ class RayHits:
 class RayCaster:
     """Casts rays into a scene; coordinates are shifted to the scene's centre for precision."""
 
-    def __init__(self, mesh: SceneMesh) -> None:
-        """Build Embree's search tree."""
+    def __init__(self, mesh: SceneMesh, threads: int | None = None) -> None:
+        """Build Embree's search tree.
+
+        Args:
+            mesh: The scene.
+            threads: How many cast the rays of a camera; by default as many as there are cores.
+        """
         corners = mesh.vertices[mesh.faces]
         low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
         self._center = 0.5 * (low + high)
         self._scene = EmbreeScene()
         TriangleMesh(self._scene, (corners - self._center).astype(np.float32))
+        self._threads = threads or usable_cores()
 
     def cast(self, origins: ArrayLike, directions: ArrayLike) -> RayHits:
         """First hits of (N, 3) rays; directions need not be of unit length."""
@@ -52,11 +60,18 @@ class RayCaster:
     def visible_faces(self, world_from_camera: Pose, intrinsics: Intrinsics) -> NDArray[np.int32]:
         """(H, W) triangles hit by the rays through a camera's pixel centres, -1 without a hit."""
         eye = (world_from_camera.translation - self._center).astype(np.float32)
-        rotation = world_from_camera.rotation.astype(np.float32)
-        camera_rays = intrinsics.rays().astype(np.float32).reshape(-1, 3)
-        rays = np.einsum("ij,kj->ik", camera_rays, rotation)
-        face = self._run(np.tile(eye, (len(rays), 1)), rays).face
-        return face.reshape(intrinsics.height, intrinsics.width)
+        camera = (intrinsics.fx, intrinsics.fy, intrinsics.cx, intrinsics.cy)
+        rotation = np.ascontiguousarray(world_from_camera.rotation)
+        faces = np.empty((intrinsics.height, intrinsics.width), np.int32)
+
+        def cast_rows(first: int, end: int) -> None:
+            rays = np.empty(((end - first) * intrinsics.width, 3), np.float32)
+            _aim(rays, first, intrinsics.width, camera, rotation)
+            hit = self._scene.run(np.tile(eye, (len(rays), 1)), rays, query="INTERSECT")
+            faces[first:end] = hit.reshape(end - first, -1)
+
+        for_row_blocks(intrinsics.height, cast_rows, self._threads)
+        return faces
 
     def _run(self, origins: NDArray[np.float32], directions: NDArray[np.float32]) -> RayHits:
         hits = self._scene.run(origins, directions, query="INTERSECT", output=True)
@@ -64,3 +79,19 @@ class RayCaster:
         distance = hits["tfar"]
         distance[face < 0] = np.inf
         return RayHits(distance, face)
+
+
+@njit(cache=True, nogil=True)
+def _aim(
+    rays: NDArray[np.float32],
+    first: int,
+    width: int,
+    camera: tuple[float, float, float, float],
+    rotation: NDArray[np.float64],
+) -> None:
+    """Fill in the world directions, of length 1 along the optical axis, from row `first` on."""
+    fx, fy, cx, cy = camera
+    for k in range(len(rays)):
+        x, y = (k % width - cx) / fx, (first + k // width - cy) / fy
+        for i in range(3):
+            rays[k, i] = rotation[i, 0] * x + rotation[i, 1] * y + rotation[i, 2]

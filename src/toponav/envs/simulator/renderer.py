@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from toponav.envs.simulator.homogeneous import pixels_from_world
 from toponav.envs.simulator.rasterizer import Rasterizer
+from toponav.envs.simulator.row_blocks import for_row_blocks, usable_cores
 from toponav.envs.simulator.shading import Images, Surfaces, View, shade
 from toponav.geometry import Intrinsics, Pose
 from toponav.scenes.mesh import SceneMesh
@@ -51,16 +52,21 @@ class CameraRenderer(Protocol):
 class Renderer:
     """Renders one scene: which triangle a pixel sees first, its colour and depth then."""
 
-    def __init__(self, mesh: SceneMesh, visibility: Visibility | None = None) -> None:
+    def __init__(
+        self, mesh: SceneMesh, visibility: Visibility | None = None, threads: int | None = None
+    ) -> None:
         """Pack textures and normals.
 
         Args:
             mesh: The scene.
             visibility: What finds the visible triangles; a `Rasterizer` by default. A `RayCaster`
-                finds the same ones, an order of magnitude slower.
+                finds the same ones, several times slower.
+            threads: How many shade; by default as many as there are cores. Images do not depend
+                on it.
         """
         self._visibility = visibility or Rasterizer(mesh)
-        self._surfaces = _pack(mesh)
+        self._threads = threads or usable_cores()
+        self._surfaces = pack(mesh)
 
     def render(self, world_from_camera: Pose, intrinsics: Intrinsics) -> RenderedFrame:
         """The scene as a camera sees it; the optical axis is the camera's +z."""
@@ -76,11 +82,15 @@ class Renderer:
             eye=np.array(world_from_camera.translation),
             camera=(intrinsics.fx, intrinsics.fy, intrinsics.cx, intrinsics.cy),
         )
-        shade(view, self._surfaces, images)
+        for_row_blocks(
+            intrinsics.height,
+            lambda first, end: shade(view, self._surfaces, images, first, end),
+            self._threads,
+        )
         return RenderedFrame(images.rgb, images.depth, images.instance_ids)
 
 
-def _pack(mesh: SceneMesh) -> Surfaces:
+def pack(mesh: SceneMesh) -> Surfaces:
     """The scene as the compiled kernel takes it."""
     textures = [material.texture for material in mesh.materials]
     size = np.array([texture.shape[:2] for texture in textures], dtype=np.int64)

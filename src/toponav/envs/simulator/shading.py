@@ -96,11 +96,11 @@ class _Facet(NamedTuple):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def shade(view: View, surfaces: Surfaces, images: Images) -> None:
-    """Fill the images; pixels that see nothing stay as they are."""
-    height, width = view.faces.shape
+def shade(view: View, surfaces: Surfaces, images: Images, first: int, end: int) -> None:
+    """Fill rows `first` to `end - 1` of the images; pixels that see nothing stay as they are."""
+    width = view.faces.shape[1]
     fx, fy, cx, cy = view.camera
-    for v in range(height):
+    for v in range(first, end):
         y = (v - cy) / fy
         last = -1
         facet = _facet(view, surfaces, 0)

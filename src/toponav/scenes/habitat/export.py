@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
 import numpy as np
@@ -61,6 +62,16 @@ def write_habitat_scene(scene: Scene, folder: Path, name: str) -> Path:
     write_atomic(folder / f"{name}.semantic.glb", semantic)
     write_atomic(folder / f"{name}.semantic.txt", semantic_text(objects))
     return glb
+
+
+def as_stored(scene: Scene) -> Scene:
+    """The scene as its file holds it, with vertices in single precision.
+
+    A micrometre may decide whether a cell of the navigable surface is free, so what goes with the
+    file (navmesh, starts, viewpoints) has to be found on this.
+    """
+    vertices = scene.mesh.vertices.astype(np.float32).astype(np.float64)
+    return replace(scene, mesh=replace(scene.mesh, vertices=vertices))
 
 
 def scene_dataset_config(scenes: Sequence[PurePosixPath]) -> str:

@@ -1,0 +1,44 @@
+"""The rows of an image shared out over threads; no pixel depends on who computes it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+
+BLOCK_ROWS = 30
+"""Small enough that a busy core delays the others by no more than a block."""
+
+
+def usable_cores() -> int:
+    """Cores that this process may use: its CPU affinity, or OMP_NUM_THREADS if that is less.
+
+    Whoever runs one process a core (Ray among them) sets the latter to 1.
+    """
+    affinity = getattr(os, "sched_getaffinity", None)  # Linux only
+    cores = len(affinity(0)) if affinity is not None else os.cpu_count() or 1
+    limit = os.environ.get("OMP_NUM_THREADS", "")
+    return max(1, min(cores, int(limit))) if limit.isdecimal() else cores
+
+
+def for_row_blocks(height: int, work: Callable[[int, int], None], threads: int) -> None:
+    """Call work(first, end) for blocks of rows that make up an image.
+
+    Args:
+        height: Rows of the image.
+        work: Computes rows `first` to `end - 1`; must release the GIL to gain anything.
+        threads: How many blocks are computed at a time.
+    """
+    if threads == 1:
+        work(0, height)
+        return
+    blocks = [(first, min(first + BLOCK_ROWS, height)) for first in range(0, height, BLOCK_ROWS)]
+    for _ in _pool(threads, os.getpid()).map(lambda rows: work(*rows), blocks):
+        pass
+
+
+@cache
+def _pool(threads: int, process: int) -> ThreadPoolExecutor:
+    """The threads of this process: a forked child has none of its parent's."""
+    return ThreadPoolExecutor(threads, thread_name_prefix=f"rows-{process}")
