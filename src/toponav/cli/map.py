@@ -19,7 +19,11 @@ class Map:
     """
 
     recording: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="RECORDING")]
-    """Folder of frame-*.color, .depth and .pose files (the 7-Scenes layout)."""
+    """Folder of frame-*.color, .depth and .pose files (the 7-Scenes layout), folder of the TUM
+    RGB-D benchmark, or a bag: .bag of ROS 1, .mcap or the folder of a rosbag2 (extra `bags`)."""
+
+    robot: str = "generic"
+    """For a bag: generic, turtlebot, go2_d435i, or a YAML file of its topics and camera."""
 
     world: WorldOption = None
     """Which way the world of the poses points; by default what recording.json says, else told
@@ -38,16 +42,27 @@ class Map:
         """Integrate all frames and write what came of it."""
         from toponav.cli.console import Output
         from toponav.cli.options import fresh_folder
+        from toponav.config import NavigatorConfig
         from toponav.envs.recording import open_recording
-        from toponav.evaluation.mapping_run import map_recording, write_clouds
+        from toponav.evaluation.mapping_run import Observations, map_recording, write_clouds
         from toponav.memory.serialization import save_memory
         from toponav.perception import DetectorContext, PerceptionConfig, make_detector
+        from toponav.perception.base import Detector
+        from toponav.robot.bag_recording import is_bag, open_bag
+        from toponav.robot.config import navigator_config, robot_config
         from toponav.viz.topdown import TopDownPicture, save_topdown
         from toponav.viz.topdown_colors import save_topdown_colors
 
         output = Output(self.json)
-        recording = open_recording(self.recording, self.world)
-        detector = None
+        detector: Detector | None = None
+        config: NavigatorConfig | None = None
+        recording: Observations
+        if is_bag(self.recording):
+            robot = robot_config(self.robot)
+            recording = bag = open_bag(self.recording, robot)
+            detector, config = bag.labels, navigator_config(robot)
+        else:
+            recording = open_recording(self.recording, self.world)
         if self.detector is not None:
             detector = make_detector(self.detector, DetectorContext(PerceptionConfig()))
         folder = fresh_folder(self.out)
@@ -56,7 +71,7 @@ class Map:
             if done % 20 == 0 or done == total:
                 output.say(f"{done} of {total} frames")
 
-        run = map_recording(recording, detector, progress=report)
+        run = map_recording(recording, detector, config, report)
         write_clouds(run.view, folder)
         save_memory(run.memory, folder / "memory.json")
         title = f"{self.recording.resolve().name}: {len(run.trajectory)} frames"

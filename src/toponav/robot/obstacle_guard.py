@@ -1,0 +1,188 @@
+"""How fast the robot may drive: slow enough to stop before what its depth images show ahead."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from toponav.config_model import ConfigModel
+from toponav.geometry import Intrinsics, Pose
+from toponav.mapping.view import OCCUPIED, OccupancyGrid
+from toponav.robot.seen_floor import SeenFloor
+
+SAMPLED_COLUMNS = 80
+"""Columns of a depth image that are looked at: 1 degree apart, 3 cm at 1.5 m."""
+
+BIN_M = 0.05
+"""Side of the squares in which points are counted, metres."""
+
+SEEN_THROUGH_M = 0.15
+"""A point is gone where a return lies farther behind it than this, metres."""
+
+AHEAD_S = 0.4
+"""A turning robot looks where it will be heading in so long, seconds."""
+
+POINTS_A_BIN = 2
+"""Fewer points in a square are noise at an edge."""
+
+
+class GuardConfig(ConfigModel):
+    """The space that must be free ahead of the robot."""
+
+    half_width_m: float = Field(default=0.18, gt=0.0)
+    """Half the width of the lane ahead, metres: the body's."""
+
+    front_m: float = Field(default=0.18, ge=0.0)
+    """From the base's origin to the body's front, metres; the body is taken for an ellipse."""
+
+    margin_m: float = Field(default=0.07, ge=0.0)
+    """Room that is left between the front and what is ahead, metres."""
+
+    low_m: float = Field(default=0.1, ge=0.0)
+    """What is lower than this over the foot point is floor, metres."""
+
+    high_m: float = Field(default=0.9, gt=0.0)
+    """What is higher than this passes over the robot, metres."""
+
+    reach_m: float = Field(default=1.5, gt=0.0)
+    """Nothing farther away is looked at, metres."""
+
+    floor_reach_m: float = Field(default=2.5, gt=0.0)
+    """The floor is looked for this far away, metres."""
+
+    creep_speed: float = Field(default=0.1, gt=0.0)
+    """Limit where the floor ahead has not been seen: something low may stand there, m/s."""
+
+    memory_s: float = Field(default=30.0, gt=0.0)
+    """How long what is not seen any more is remembered: the camera is blind to what is nearest,
+    seconds."""
+
+    reaction_s: float = Field(default=0.3, ge=0.0)
+    """From an image to the base slowing down, seconds."""
+
+
+class ObstacleGuard:
+    """Remembers what stands near the robot, until it is seen to be gone."""
+
+    def __init__(self, config: GuardConfig, deceleration: float) -> None:
+        """Stop with `deceleration` metres a second squared."""
+        self._config = config
+        self._deceleration = deceleration
+        self._seen = np.zeros((0, 4))
+        """(N, 4) x, y, z of a point in each square, metres, and when it was last seen."""
+        self._mapped = np.zeros((0, 2))
+        self._floor = SeenFloor()
+        side = np.arange(-config.half_width_m, config.half_width_m + 1e-9, 0.05)
+        square = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
+        self._body = square[np.hypot(*square.T) <= config.half_width_m]
+
+    def see(
+        self,
+        depth: NDArray[np.float32],
+        camera: Intrinsics,
+        world_from_camera: Pose,
+        foot: NDArray[np.float64],
+        now_s: float,
+    ) -> None:
+        """Take a depth image.
+
+        Args:
+            depth: (H, W) metres, 0 where there is no return.
+            camera: Its intrinsics.
+            world_from_camera: Its pose.
+            foot: (3,) where the robot stood.
+            now_s: When it was taken, by a steady clock.
+        """
+        config, stride = self._config, max(1, camera.width // SAMPLED_COLUMNS)
+        v, u = np.nonzero(depth[::stride, ::stride])
+        z = depth[v * stride, u * stride].astype(np.float64)
+        x = (u * stride - camera.cx) / camera.fx * z
+        y = (v * stride - camera.cy) / camera.fy * z
+        points = world_from_camera.apply(np.stack([x, y, z], axis=-1))
+        height = points[:, 2] - foot[2]
+        away = np.hypot(*(points[:, :2] - foot[:2]).T)
+        floor = (np.abs(height) <= config.low_m) & (away <= config.floor_reach_m)
+        self._floor.add(np.vstack([points[floor, :2], foot[:2] + self._body]))
+        near = away <= config.reach_m
+        points = points[near & (height > config.low_m) & (height < config.high_m)]
+        squares, first, counts = np.unique(
+            np.floor(points[:, :2] / BIN_M).astype(np.int64),
+            axis=0,
+            return_index=True,
+            return_counts=True,
+        )
+        new = points[first[counts >= POINTS_A_BIN]]
+        kept = self._still_there(depth, camera, world_from_camera, now_s)
+        seen = np.vstack([np.column_stack([new, np.full(len(new), now_s)]), kept])
+        squares = np.floor(seen[:, :2] / BIN_M).astype(np.int64)
+        _, newest = np.unique(squares, axis=0, return_index=True)
+        self._seen = seen[newest]
+
+    def consult(self, grid: OccupancyGrid) -> None:
+        """Take the map's obstacles, which are remembered for good."""
+        self._mapped = grid.center_of(np.argwhere(grid.cells == OCCUPIED))
+
+    def free_ahead(self, pose: Pose, turn_rate: float = 0.0) -> float:
+        """Metres that the body can go straight on before it touches something; at most the reach.
+
+        Args:
+            pose: Where it is.
+            turn_rate: Radians a second; it is looked where this will lead as well.
+        """
+        headings = {pose.yaw, pose.yaw + AHEAD_S * turn_rate}
+        return min(self._free_along(pose.translation[:2], heading) for heading in headings)
+
+    def limit(self, pose: Pose, turn_rate: float = 0.0) -> float:
+        """The greatest speed (m/s) from which the robot can still stop in time."""
+        fastest = math.inf if self._sees_floor(pose) else self._config.creep_speed
+        ahead = self.free_ahead(pose, turn_rate)
+        if ahead >= self._config.reach_m:
+            return fastest
+        free = ahead - self._config.margin_m
+        if free <= 0.0:
+            return 0.0
+        a, t = self._deceleration, self._config.reaction_s
+        return min(fastest, a * (math.sqrt(t * t + 2.0 * free / a) - t))
+
+    def _sees_floor(self, pose: Pose) -> bool:
+        """Whether the floor that the body comes to next has been seen."""
+        config = self._config
+        forward = config.front_m + np.array([0.05, 0.15, 0.25])
+        left = config.half_width_m * np.array([-0.6, 0.0, 0.6])
+        lane = np.stack(np.meshgrid(forward, left, [0.0]), axis=-1).reshape(-1, 3)
+        return self._floor.share(pose.apply(lane)[:, :2]) > 0.5
+
+    def _free_along(self, here: NDArray[np.float64], heading: float) -> float:
+        config = self._config
+        free = config.reach_m
+        # A mapped obstacle's surface is on average half a cell inside its cell.
+        for points, half_width in (
+            (self._seen[:, :2], config.half_width_m),
+            (self._mapped, config.half_width_m - BIN_M),
+        ):
+            x, y = (points - here).T
+            forward = math.cos(heading) * x + math.sin(heading) * y
+            share = (math.cos(heading) * y - math.sin(heading) * x) / half_width
+            lane = (np.abs(share) < 1.0) & (forward > 0.0)
+            touch = forward[lane] - config.front_m * np.sqrt(1.0 - share[lane] ** 2)
+            free = min(free, float(touch.min(initial=math.inf)))
+        return free
+
+    def _still_there(
+        self, depth: NDArray[np.float32], camera: Intrinsics, world_from_camera: Pose, now_s: float
+    ) -> NDArray[np.float64]:
+        """(M, 4) what was seen before but for what has grown old, or is now seen through."""
+        seen = self._seen[self._seen[:, 3] > now_s - self._config.memory_s]
+        x, y, z = world_from_camera.inverse().apply(seen[:, :3]).T
+        before = z > 0.05
+        safe_z = np.where(before, z, 1.0)
+        u = np.rint(camera.fx * x / safe_z + camera.cx)
+        v = np.rint(camera.fy * y / safe_z + camera.cy)
+        inside = before & (u >= 0) & (u < camera.width) & (v >= 0) & (v < camera.height)
+        rows, columns = np.where(inside, v, 0).astype(int), np.where(inside, u, 0).astype(int)
+        gone = inside & (depth[rows, columns] > z + SEEN_THROUGH_M)
+        kept: NDArray[np.float64] = seen[~gone]
+        return kept

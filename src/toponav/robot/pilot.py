@@ -1,0 +1,106 @@
+"""Carrying out intents by velocities: at every tick the safe one, whatever the agent is doing."""
+
+from __future__ import annotations
+
+import math
+import threading
+from enum import Enum
+
+from toponav.geometry import Pose
+from toponav.robot.intent import Intent
+from toponav.robot.motion import (
+    STILL,
+    MotionConfig,
+    TurnMotion,
+    Twist,
+    WayMotion,
+    motion_of,
+    within_limits,
+)
+from toponav.robot.obstacle_guard import ObstacleGuard
+from toponav.robot.stillness import Stillness
+from toponav.robot.watchdog import Watchdog
+
+
+class Outcome(Enum):
+    """Where the last intent stands."""
+
+    NONE = "none"
+    UNDER_WAY = "under way"
+    DONE = "done"
+    BLOCKED = "blocked"
+
+
+class Pilot:
+    """Drives the base; `begin` and `stop` may be called from any thread, `tick` from one."""
+
+    def __init__(self, config: MotionConfig, watchdog: Watchdog, guard: ObstacleGuard) -> None:
+        """Stand still until an intent comes."""
+        self._config, self._watchdog, self._guard = config, watchdog, guard
+        self._lock = threading.Lock()
+        self._motion: TurnMotion | WayMotion | None = None
+        self._last, self._last_s = STILL, -math.inf
+        self._stillness = Stillness()
+        self.outcome = Outcome.NONE
+        self.objection = ""
+        """Why the robot was made to stand still at the last tick, in words; empty otherwise."""
+
+    def begin(self, intent: Intent, pose: Pose, *, go_on: bool = False) -> None:
+        """Carry out an intent from now on, from where the robot is.
+
+        Args:
+            intent: What to do.
+            pose: Where the robot is.
+            go_on: The same way, planned anew: what stalled before stalls still.
+        """
+        with self._lock:
+            self._motion = motion_of(intent, pose, self._config)
+            if not (go_on and self.outcome is Outcome.UNDER_WAY):
+                self._stillness.restart()
+            self.outcome = Outcome.UNDER_WAY
+
+    def stop(self) -> None:
+        """Stand still from now on, at once."""
+        with self._lock:
+            self._motion, self._last = None, STILL
+            self.outcome = Outcome.NONE
+
+    def tick(self, pose: Pose | None, slam_from_base: Pose | None, now_s: float) -> Twist:
+        """The velocity for now.
+
+        Args:
+            pose: Where the robot is, in the frame of the intents.
+            slam_from_base: The same in the frame of the keep-out areas.
+            now_s: By a steady clock.
+        """
+        with self._lock:
+            elapsed_s = min(max(0.0, now_s - self._last_s), 0.2)
+            self._last_s = now_s
+            self.objection = self._watchdog.objection(now_s) or ""
+            if self.objection or pose is None or slam_from_base is None or self._motion is None:
+                self._last = STILL
+                self._stillness.restart()
+                return STILL
+            wanted = self._motion.wanted(pose)
+            if wanted is None:
+                return self._end(Outcome.DONE)
+            speed = min(wanted.speed, self._guard.limit(pose, wanted.turn_rate))
+            if self._watchdog.enters_keep_out(slam_from_base, speed):
+                self.objection, speed = "a keep-out area is ahead", 0.0
+            elif speed < wanted.speed and speed < 0.05:
+                self.objection, speed = "an obstacle is ahead", 0.0
+            if self._stillness.seconds(pose, now_s) > self._config.stall_s:
+                return self._end(Outcome.BLOCKED)
+            twist = within_limits(
+                Twist(speed, wanted.turn_rate), self._last, elapsed_s, self._config
+            )
+            # Braking for an obstacle is not gentle.
+            self._last = (
+                Twist(min(twist.speed, speed), twist.turn_rate) if self.objection else twist
+            )
+            return self._last
+
+    def _end(self, outcome: Outcome) -> Twist:
+        self._motion, self._last = None, STILL
+        self.outcome = outcome
+        return STILL
