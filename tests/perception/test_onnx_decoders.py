@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from toponav.errors import ConfigError, InputError
-from toponav.perception.onnx.boxes import Boxes, iou, suppressed
+from toponav.perception.boxes import Boxes, iou, suppressed
 from toponav.perception.onnx.decoders import Reading, decode
 from toponav.perception.onnx.model_card import card_beside, card_of_form, coco_names
 

@@ -12,8 +12,7 @@ from PIL import Image
 from shared_data import shared_data, shared_model
 from toponav.errors import InputError, MissingExtraError
 from toponav.perception import DetectorContext, PerceptionConfig, make_detector
-from toponav.perception.onnx.boxes import Boxes
-from toponav.perception.onnx.detector import filled_boxes
+from toponav.perception.boxes import Boxes, filled_boxes
 
 DEIM = "deimv2_hgnetv2_femto_coco.onnx"
 VOCABULARY = ("bed", "chair", "sofa", "plant", "tv_monitor", "table", "toilet")

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from policy_maps import block, make_view
 
+from ball_frames import Ball, frame, said
 from toponav.geometry import Pose
 from toponav.mapping.view import MapView
+from toponav.policy.evidence import EvidenceConfig
 from toponav.policy.goal import GoalConfig, GoalTracker
 from toponav.policy.sight import SightConfig, TargetSight
 
@@ -159,3 +161,38 @@ def test_with_a_detector_pointing_changes_nothing() -> None:
     tracker = GoalTracker(GoalConfig())
     tracker.point(view, camera(0.0, 0.0), bearing=0.0)
     assert not tracker.is_mapped(view, "chair")
+
+
+def doubted(frames: int) -> GoalTracker:
+    """A ball was once taken for a sofa, and then for nothing in so many frames from each side."""
+    tracker = GoalTracker(GoalConfig(evidence=EvidenceConfig()))
+    for eye in ((1.8, 0.0), (0.0, 1.8), (-1.8, 0.0)):
+        observation, [mask] = frame([Ball(0.0, 0.0)], *eye)
+        tracker.observe(observation, said(("sofa", 0.5, mask)), "sofa")
+        for _ in range(frames):
+            tracker.observe(observation, said(), "sofa")
+    return tracker
+
+
+def test_the_last_resort_is_the_likeliest_candidate_whatever_is_said_of_it_later() -> None:
+    view, tracker = make_view(scene=FLOOR), doubted(frames=3)
+    assert not tracker.is_mapped(view, "sofa")
+    assert tracker.settle(view)
+    assert tracker.is_mapped(view, "sofa")
+    assert tracker.accepted
+    observation, _ = frame([Ball(0.0, 0.0)], 1.3, 1.3)
+    for _ in range(20):
+        tracker.observe(observation, said(), "sofa")
+    assert tracker.is_mapped(view, "sofa")
+    assert tracker.accepted
+    assert not tracker.settle(view)  # a verdict is given once
+
+
+def test_what_much_speaks_against_is_no_last_resort() -> None:
+    view = make_view(scene=FLOOR)
+    strict = GoalConfig(evidence=EvidenceConfig(last_resort=0.0))
+    tracker = doubted(frames=3)
+    tracker.config = strict
+    assert not tracker.settle(view)
+    assert not GoalTracker(strict).settle(view)  # nothing was ever taken for it
+    assert not GoalTracker(GoalConfig()).settle(view)  # as in the paper

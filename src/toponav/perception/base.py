@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,29 @@ class Detector(Protocol):
     def detect(self, rgb: NDArray[np.uint8], vocabulary: Sequence[str]) -> Detections:
         """Objects of the named categories in an (H, W, 3) uint8 image."""
         ...
+
+
+@runtime_checkable
+class BatchDetector(Detector, Protocol):
+    """A detector that is faster on several images at once, such as a panorama's, than one by one.
+
+    An agent sees one image a step; recordings and benches have many at hand.
+    """
+
+    def detect_all(
+        self, images: Sequence[NDArray[np.uint8]], vocabulary: Sequence[str]
+    ) -> list[Detections]:
+        """What `detect` says of each image; they may differ in size."""
+        ...
+
+
+def detect_all(
+    detector: Detector, images: Sequence[NDArray[np.uint8]], vocabulary: Sequence[str]
+) -> list[Detections]:
+    """What any detector says of each of several images, together if it can."""
+    if isinstance(detector, BatchDetector):
+        return detector.detect_all(images, vocabulary)
+    return [detector.detect(rgb, vocabulary) for rgb in images]
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pydantic import Field
 
 from toponav.config_model import ConfigModel
+from toponav.perception.glee.detector import GleeConfig
+from toponav.perception.huggingface.detector import HuggingFaceConfig
 from toponav.perception.noisy import NoisyDetectorConfig
 from toponav.perception.onnx.detector import OnnxConfig
 from toponav.perception.oracle import OracleConfig
@@ -21,3 +23,9 @@ class PerceptionConfig(ConfigModel):
 
     onnx: OnnxConfig = Field(default_factory=OnnxConfig)
     """A model in an ONNX file."""
+
+    huggingface: HuggingFaceConfig = Field(default_factory=HuggingFaceConfig)
+    """An open-vocabulary model of the library transformers."""
+
+    glee: GleeConfig = Field(default_factory=GleeConfig)
+    """The paper's detector, from its authors' code."""

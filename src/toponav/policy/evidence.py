@@ -26,6 +26,9 @@ from toponav.types import Detections, Observation
 
 Positive = Annotated[float, Field(gt=0.0)]
 
+SETTLED = 100.0
+"""Log-odds that no evidence outweighs."""
+
 
 class EvidenceConfig(ConfigModel):
     """What sightings weigh, in log-odds, and what is asked of a target."""
@@ -72,6 +75,10 @@ class EvidenceConfig(ConfigModel):
 
     probable: float = 0.5
     """Enough where no further side can be looked at."""
+
+    last_resort: float = -3.5
+    """Enough where nothing is left to explore: a detector that misses an object in most frames
+    never says enough for it, and who stops nowhere has found nothing."""
 
     rejection: float = -3.0
     """Added when all looks are spent: only much new evidence reopens the case."""
@@ -264,6 +271,10 @@ class TargetEvidence:
         """Take it for the target from now on."""
         missing = self._config.accept - candidate.log_odds(self._config)
         candidate.verdict += max(0.0, missing)
+
+    def settle(self, candidate: Candidate) -> None:
+        """Take it for the target whatever further looks say."""
+        candidate.verdict += SETTLED
 
     def reject(self, candidate: Candidate) -> None:
         """Take it for something else, unless much speaks for it later."""

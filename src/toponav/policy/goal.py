@@ -15,6 +15,7 @@ from toponav.config_model import ConfigModel
 from toponav.geometry import Pose
 from toponav.mapping.view import MapView, PointCloud
 from toponav.policy.evidence import (
+    SETTLED,
     Candidate,
     CandidateView,
     EvidenceConfig,
@@ -168,6 +169,26 @@ class GoalTracker:
         self._evidence.reject(self._chosen)
         self._chosen = None
         return False
+
+    def settle(self, view: MapView) -> bool:
+        """Take the likeliest candidate of this storey for the target, as nothing else is left.
+
+        Returns:
+            Whether there is one that is likely enough.
+        """
+        config = self.config.evidence
+        if config is None or self._evidence is None:
+            return False
+        odds = [
+            (candidate.log_odds(config), candidate)
+            for candidate in self._evidence.candidates
+            if len(self._on_storey(candidate, config, view))
+        ]
+        best = max(odds, key=lambda pair: pair[0], default=None)
+        if best is None or not config.last_resort <= best[0] < SETTLED / 2.0:
+            return False
+        self._evidence.settle(best[1])
+        return True
 
     @property
     def accepted(self) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from toponav.errors import InputError
-from toponav.perception.onnx.boxes import Boxes, best_class, suppressed
+from toponav.perception.boxes import Boxes, best_class, suppressed
 from toponav.perception.onnx.model_card import Decoder
 
 Outputs = Sequence[NDArray[Any]]

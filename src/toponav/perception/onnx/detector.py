@@ -16,7 +16,7 @@ from toponav.categories import canonical
 from toponav.config_model import ConfigModel
 from toponav.errors import InputError, MissingExtraError
 from toponav.perception.base import Detector, DetectorContext, detectors
-from toponav.perception.onnx.boxes import Boxes
+from toponav.perception.boxes import Boxes, filled_boxes, within
 from toponav.perception.onnx.decoders import Reading, decode
 from toponav.perception.onnx.model_card import SIZES_INPUT, ModelCard, card_beside, card_of_form
 from toponav.types import Detections
@@ -80,27 +80,8 @@ class OnnxDetector:
         outputs = self._session.run(None, feed)
         reading = Reading(self.card.size, self._config.threshold, len(self._names))
         boxes = decode(self.card.decoder, outputs, reading)
-        limits = np.array([width, height, width, height], np.float64)
-        corners = np.clip(boxes.corners / np.tile(ratio, 2), 0.0, limits)
-        inside = np.flatnonzero(((corners[:, 2:] - corners[:, :2]) >= 1.0).all(axis=1))
-        return Boxes(corners, boxes.classes, boxes.scores).rows(inside)
-
-
-def filled_boxes(labels: Sequence[str], boxes: Boxes, height: int, width: int) -> Detections:
-    """Detections whose masks are their boxes, in an image of a size."""
-    masks = np.zeros((len(labels), height, width), np.bool_)
-    low, high = np.floor(boxes.corners[:, :2]), np.ceil(boxes.corners[:, 2:])
-    for mask, (left, top), (right, bottom) in zip(
-        masks, low.astype(int), high.astype(int), strict=True
-    ):
-        mask[top:bottom, left:right] = True
-    return Detections(
-        tuple(labels),
-        boxes.scores.astype(np.float32),
-        boxes.corners.astype(np.float32),
-        masks,
-        masks_are_boxes=True,
-    )
+        in_image = Boxes(boxes.corners / np.tile(ratio, 2), boxes.classes, boxes.scores)
+        return within(in_image, height, width)
 
 
 def _prepared(

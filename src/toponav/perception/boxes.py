@@ -1,11 +1,14 @@
-"""Boxes as decoders give them, and non-maximum suppression."""
+"""Boxes as models give them: without doubles, within the image, as detections."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from toponav.types import Detections
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,3 +76,28 @@ def iou(box: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.flo
     own = float(np.prod(np.maximum(box[2:] - box[:2], 0.0)))
     share: NDArray[np.float64] = shared / np.maximum(own + areas - shared, 1e-12)
     return share
+
+
+def within(boxes: Boxes, height: int, width: int) -> Boxes:
+    """Clipped to an image, without those of which less than a pixel is left along a side."""
+    limits = np.array([width, height, width, height], np.float64)
+    corners = np.clip(boxes.corners, 0.0, limits)
+    inside = np.flatnonzero(((corners[:, 2:] - corners[:, :2]) >= 1.0).all(axis=1))
+    return Boxes(corners, boxes.classes, boxes.scores).rows(inside)
+
+
+def filled_boxes(labels: Sequence[str], boxes: Boxes, height: int, width: int) -> Detections:
+    """Detections whose masks are their boxes, in an image of a size."""
+    masks = np.zeros((len(labels), height, width), np.bool_)
+    low, high = np.floor(boxes.corners[:, :2]), np.ceil(boxes.corners[:, 2:])
+    for mask, (left, top), (right, bottom) in zip(
+        masks, low.astype(int), high.astype(int), strict=True
+    ):
+        mask[top:bottom, left:right] = True
+    return Detections(
+        tuple(labels),
+        boxes.scores.astype(np.float32),
+        boxes.corners.astype(np.float32),
+        masks,
+        masks_are_boxes=True,
+    )

@@ -1,0 +1,1 @@
+"""Open-vocabulary detectors and mask refinement through the library `transformers`."""
