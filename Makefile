@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 # Extras beside dev; tests of the others skip.
-EXTRAS ?= dev,ray,onnx,viz
+EXTRAS ?= dev,ray,onnx,viz,gl,ros2,bags
 
 .DEFAULT_GOAL := help
 .PHONY: help demo test check docs figures bench clean

@@ -158,9 +158,15 @@ def test_scenes_generate_info_and_export(
 
 
 def test_bench_prints_frames_per_second(capsys: pytest.CaptureFixture[str]) -> None:
-    figures = run_json(capsys, "bench", "sim", "generated:6", "--frames", "3")
-    assert figures["sim_fps"]["embree"] > 0.0
+    size = ("--camera", "80x60", "--frames", "3")
+    figures = run_json(capsys, "bench", "sim", "generated:6", *size)
+    assert {"raster", "embree"} <= set(figures["sim_fps"])
+    assert min(figures["sim_fps"].values()) > 0.0
     assert figures["cores"] >= 1
+    options = ("--renderer", "embree", "--cores", "1")
+    figures = run_json(capsys, "bench", "sim", "generated:6", *size, *options)
+    assert set(figures["sim_fps"]) == {"embree"}
+    assert figures["cores"] == 1
 
 
 @pytest.mark.parametrize(

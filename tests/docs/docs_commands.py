@@ -12,7 +12,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-NEEDS = frozenset({"data", "display", "habitat", "hours", "model", "cluster"})
+NEEDS = frozenset(
+    {"data", "display", "habitat", "hours", "model", "cluster", "open3d", "opengl", "ros2"}
+)
 """What a marker may name: data or a program that is not in the repository, or much time."""
 
 BLOCK = re.compile(r"^(?:<!-- needs: (?P<needs>\w+) -->\n)?```(?:bash|console)\n(?P<body>.*?)^```",

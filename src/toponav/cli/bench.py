@@ -8,13 +8,14 @@ from typing import Annotated, Any, Literal
 
 import tyro
 
+from toponav.cli.bench_robot import FaultBench, RobotBench
 from toponav.cli.options import JsonFlag, WorldOption
-from toponav.errors import InputError
+from toponav.errors import InputError, MissingExtraError
 
 
 @dataclass(frozen=True)
 class Sim:
-    """The simulator's RGB, depth and ids on one core."""
+    """The simulator's RGB, depth and ids with each renderer, taking turns."""
 
     scene: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="SCENE")] = "generated:0"
     """House, mesh scene or generated:SEED."""
@@ -22,11 +23,17 @@ class Sim:
     labels: Path | None = None
     """Label table of a mesh scene."""
 
+    renderer: Literal["raster", "embree", "gl"] | None = None
+    """Time this one alone; by default all that can be had."""
+
+    cores: int | None = None
+    """Cores that are used; by default all."""
+
     camera: str = "640x480"
     """Image size, WIDTHxHEIGHT."""
 
     frames: int = 50
-    """Frames that are timed."""
+    """Frames that are timed with each renderer."""
 
     json: JsonFlag = False
     """Print the figures as one JSON object on stdout."""
@@ -35,21 +42,39 @@ class Sim:
         """Time and print."""
         from toponav.cli.console import Output
         from toponav.cli.options import image_size
-        from toponav.evaluation.bench_sim import bench_sim
+        from toponav.envs.simulator.renderers import RENDERERS, why_missing
+        from toponav.evaluation.bench_sim import bench_sim, only_cores
         from toponav.scenes.loading import load_scene
 
         if self.frames < 1:
             raise InputError(f"--frames takes a positive number, not {self.frames}")
-        width, height = image_size(self.camera)
-        figures = bench_sim(load_scene(self.scene, self.labels), width, height, self.frames)
-        line = (
-            f"{figures['scene']}: {figures['sim_fps']['raster']:.1f} frames/s "
-            f"at {width} x {height} (median {figures['frame_ms']:.1f} ms, "
-            f"with Embree {figures['sim_fps']['embree']:.1f} frames/s; "
-            f"{figures['triangles']} triangles, one of {figures['cores']} cores); "
-            f"navigable surface in {figures['surface_s']:.2f} s"
-        )
-        Output(self.json).result(line, figures)
+        if self.cores is not None and self.cores < 1:
+            raise InputError(f"--cores takes a positive number, not {self.cores}")
+        size = image_size(self.camera)
+        output = Output(self.json)
+        with only_cores(self.cores):
+            chosen = RENDERERS if self.renderer is None else (self.renderer,)
+            missing = {name: reason for name in chosen if (reason := why_missing(name))}
+            if missing and self.renderer is not None:
+                raise MissingExtraError(missing[self.renderer])
+            for reason in missing.values():
+                output.say(reason)
+            present = [name for name in chosen if name not in missing]
+            figures = bench_sim(load_scene(self.scene, self.labels), present, size, self.frames)
+        output.result(_sim_line(figures), figures)
+
+
+def _sim_line(figures: dict[str, Any]) -> str:
+    width, height = figures["size"]
+    renderers = "; ".join(
+        f"{name} {fps:.1f} frames/s (median {figures['frame_ms'][name]:.1f} ms, "
+        f"{figures['cpu_ms'][name]:.1f} ms of processor time)"
+        for name, fps in figures["sim_fps"].items()
+    )
+    return (
+        f"{figures['scene']} at {width} x {height}, cores used {figures['cores']}: {renderers}; "
+        f"{figures['triangles']} triangles; navigable surface in {figures['surface_s']:.2f} s"
+    )
 
 
 @dataclass(frozen=True)
@@ -389,6 +414,73 @@ class HabitatLab:
 
 
 @dataclass(frozen=True)
+class DetectorCommand:
+    """Precision and recall of a detector by class and distance, its clouds, its time."""
+
+    detector: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="DETECTOR")]
+    """A detector that sees pixels, such as onnx:MODEL.onnx."""
+
+    scenes: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="SOURCE")] = "generated:0-4"
+    """Scenes whose truth is known: a folder of houses or generated:FIRST-LAST."""
+
+    classes: str | None = None
+    """What the detector is asked for, with commas between; by default COCO's classes that houses
+    hold."""
+
+    camera: str = "640x480"
+    """Image size, WIDTHxHEIGHT."""
+
+    frames: int = 20
+    """Images from random places of each scene."""
+
+    seed: int = 0
+    """Of the places."""
+
+    json: JsonFlag = False
+    """Print the figures as one JSON object on stdout."""
+
+    def run(self) -> None:
+        """Examine and print."""
+        from toponav.categories import canonical
+        from toponav.cli.console import Output
+        from toponav.cli.options import image_size
+        from toponav.evaluation.bench_detector import COCO_FURNISHING, DetectorBench
+        from toponav.perception import DetectorContext, PerceptionConfig, make_detector
+        from toponav.scenes.loading import list_scenes, load_scene
+
+        if self.frames < 1:
+            raise InputError(f"--frames takes a positive number, not {self.frames}")
+        detector = make_detector(self.detector, DetectorContext(PerceptionConfig()))
+        classes = COCO_FURNISHING if self.classes is None else tuple(self.classes.split(","))
+        bench = DetectorBench(detector, tuple(canonical(name) for name in classes))
+        for number, spec in enumerate(list_scenes(self.scenes)):
+            size = image_size(self.camera)
+            bench.examine(load_scene(spec), size, self.frames, self.seed + number)
+        figures = bench.figures()
+        Output(self.json).result(_detector_table(figures), figures)
+
+
+def _detector_table(figures: dict[str, Any]) -> str:
+    lines = [f"{'':18} objects  recall  precision  false"]
+    for name, row in (*figures["by_distance"].items(), *figures["by_class"].items()):
+        recall, precision = (_share(row[key]) for key in ("recall", "precision"))
+        lines.append(
+            f"{name:18} {row['objects']:7d}  {recall:>6}  {precision:>9}  {row['false']:5d}"
+        )
+    if figures["centroid_m"] is not None:
+        lines.append(
+            f"clouds of found objects: centroid {figures['centroid_m']:.3f} m off, "
+            f"IoU {figures['cloud_iou']:.2f} (medians)"
+        )
+    lines.append(f"{figures['detect_ms']:.0f} ms an image over {figures['frames']} images")
+    return "\n".join(lines)
+
+
+def _share(value: float | None) -> str:
+    return "-" if value is None else f"{value:.2f}"
+
+
+@dataclass(frozen=True)
 class Bench:
     """Print performance figures, each with the command that measures it."""
 
@@ -400,7 +492,10 @@ class Bench:
         | Annotated[Sim, tyro.conf.subcommand("sim")]
         | Annotated[Scale, tyro.conf.subcommand("scale")]
         | Annotated[Habitat, tyro.conf.subcommand("habitat")]
+        | Annotated[DetectorCommand, tyro.conf.subcommand("detector")]
         | Annotated[HabitatLab, tyro.conf.subcommand("habitat-lab")]
+        | Annotated[RobotBench, tyro.conf.subcommand("robot")]
+        | Annotated[FaultBench, tyro.conf.subcommand("faults")]
     )
 
     def run(self) -> None:

@@ -21,6 +21,7 @@ from toponav.cli.map import Map
 from toponav.cli.reasoner import ReasonerCommand
 from toponav.cli.render import Render
 from toponav.cli.report import Report
+from toponav.cli.robot import Record, Ros2, SimRobotCommand
 from toponav.cli.run import Run
 from toponav.cli.scenes import Scenes
 from toponav.cli.study import Study
@@ -39,6 +40,9 @@ Command = (
     | Annotated[ReasonerCommand, tyro.conf.subcommand("reasoner")]
     | Annotated[Map, tyro.conf.subcommand("map")]
     | Annotated[Scenes, tyro.conf.subcommand("scenes")]
+    | Annotated[Ros2, tyro.conf.subcommand("ros2")]
+    | Annotated[SimRobotCommand, tyro.conf.subcommand("sim-robot")]
+    | Annotated[Record, tyro.conf.subcommand("record")]
     | Annotated[Bench, tyro.conf.subcommand("bench")]
 )
 

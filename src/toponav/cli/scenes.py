@@ -21,6 +21,10 @@ class Generate:
     out: Path = Path("runs/scenes")
     """Folder for the files."""
 
+    furniture: Path | None = None
+    """A furniture catalogue (.sh3f) of Sweet Home 3D, or a folder of them: objects get its models
+    where one suits, the drawn shapes elsewhere."""
+
     json: JsonFlag = False
     """Print the files' names as one JSON object on stdout."""
 
@@ -28,15 +32,19 @@ class Generate:
         """Generate and save."""
         from toponav.cli.console import Output
         from toponav.cli.options import fresh_folder
+        from toponav.scenes.catalog_furnishing import FurnitureLibrary
         from toponav.scenes.house_io import save_house
         from toponav.scenes.loading import list_scenes, load_house_spec
+        from toponav.scenes.sweet_home import read_catalogs
 
         output = Output(self.json)
         specs = list_scenes(self.spec)
+        pieces = [] if self.furniture is None else read_catalogs(self.furniture)
         folder = fresh_folder(self.out)
+        library = FurnitureLibrary(pieces, folder)
         files = []
         for spec in specs:
-            house = load_house_spec(spec)
+            house = library.furnish(load_house_spec(spec))
             path = folder / f"{house.name}.json"
             save_house(house, path)
             files.append(str(path))
