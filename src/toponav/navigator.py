@@ -265,6 +265,8 @@ class Navigator:
             glimpses = self._goal.pursue_glimpses(view)
             hints = Hints(guided, glimpses, self._goal.is_elsewhere(view))
             waypoint = self._search.set_out(hints, foot_z, view, reach, admissible)
+            if waypoint is None:
+                waypoint = self._search.revisit(self._memory.places(view.floor), view, reach)
             if waypoint is not None or not self._goal.settle(view):
                 return waypoint
             self._phase = Phase.TARGET_ACQUISITION

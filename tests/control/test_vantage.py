@@ -85,6 +85,14 @@ def test_behind_a_wall_it_goes_round_to_see_the_target() -> None:
     assert horizontal_gap(spot, CHAIR) <= CONFIG.farthest_stop_m
 
 
+def test_not_through_a_wall_whose_far_side_was_not_mapped() -> None:
+    """What is known of the wall behind the chair lies as near to it as its own edges."""
+    face = block((2.95, 0.0, 0.0), (2.95, 1.8, 2.5))
+    spot, _ = spot_for(CHAIR, face)
+    assert spot is not None
+    assert spot[0] > 2.95 or spot[1] > 1.2
+
+
 def test_a_target_that_cannot_be_approached_is_seen_from_as_near_as_one_gets() -> None:
     """A bowl in the middle of a table 1.1 m deep on each side of it, too high to hide it."""
     bowl = block((3.0, 1.4, 0.8), (3.1, 1.5, 0.85))

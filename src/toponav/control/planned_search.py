@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -80,6 +81,7 @@ class PlannedSearch:
         self._looks = Looks()
         self._left_floor: int | None = None
         self._landing = False
+        self._revisiting = False
         self._turns = 0
 
     @property
@@ -148,6 +150,28 @@ class PlannedSearch:
             self._left_floor = view.floor
         return self._waypoint
 
+    def revisit(
+        self, places: NDArray[np.float64], view: MapView, reach: CostField
+    ) -> NDArray[np.float64] | None:
+        """The (3,) nearest known place that this search has not looked at from nearby, or None.
+
+        Where nothing is left to explore, things may have moved since an earlier search.
+
+        Args:
+            places: (N, 2) where an agent has been on this floor, metres.
+            view: The map.
+            reach: Cost of walking from the agent to every cell.
+        """
+        self.leave()
+        cost = reach.at(places)
+        for k in np.argsort(cost, kind="stable"):
+            unseen = math.isinf(self._looks.nearest_m(places[k], view, self._config.revisit_m))
+            if unseen and math.isfinite(cost[k]):
+                self._waypoint = np.array([*places[k], view.floor_z])
+                self._revisiting = True
+                return self._waypoint
+        return None
+
     def set_out_towards(
         self,
         target_points: NDArray[np.floating],
@@ -164,12 +188,12 @@ class PlannedSearch:
     def leave(self) -> None:
         """Something else than a frontier is gone to."""
         self._waypoint, self._weighed = None, ()
-        self._landing = False
+        self._landing = self._revisiting = False
         self._drops.approach(None)
 
     def is_gone(self, view: MapView) -> bool:
         """Whether the frontier that is gone to has been seen from afar."""
-        if self._waypoint is None or self._drops.approached or self._landing:
+        if self._waypoint is None or self._drops.approached or self._landing or self._revisiting:
             return False
         return not bool((_distance(view, self._waypoint) <= self._config.vanished_m).any())
 
@@ -183,9 +207,9 @@ class PlannedSearch:
         if action is not None:
             return action
         foot_z = float(observation.world_from_base.translation[2])
-        at_flight = self._landing or self._on_flight(foot_z, view)
-        if at_flight and self._turns < self._full_turn:
-            self._turns += 1  # the next floor may go on to any side
+        all_round = self._landing or self._revisiting or self._on_flight(foot_z, view)
+        if all_round and self._turns < self._full_turn:
+            self._turns += 1  # the next floor may go on to any side, a thing may stand anywhere
             return Action.TURN_LEFT
         distance = _distance(view, observation.world_from_base.translation)
         if not (distance <= self._config.rest_m).any() or self._turns >= self._full_turn:

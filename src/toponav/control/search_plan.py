@@ -86,6 +86,10 @@ class SearchPlanConfig(ConfigModel):
     """A frontier that was in view from this near, and is still there, promises half of one that was
     seen from afar: what can be seen of it has been."""
 
+    revisit_m: Positive = 2.5
+    """Where nothing is left to explore, places of an earlier search that were not in view from this
+    near are gone to."""
+
     rest_m: Positive = 1.0
     """On arrival, frontier cells this near are looked at first."""
 
