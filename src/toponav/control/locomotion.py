@@ -60,6 +60,7 @@ class Locomotion:
         self._goals = np.zeros((0, 2))
         self._walked: tuple[NDArray[np.float64], CostField] | None = None
         self._clearance: Clearance | None = None
+        self._squeezing = False
         self.progress = Progress.IDLE
 
     def observe(self, observation: Observation) -> None:
@@ -73,8 +74,15 @@ class Locomotion:
         """Where the agent fits on the map as it is now."""
         here = observation.world_from_base.translation
         if self._clearance is None or self._clearance.grid is not grid:
-            self._clearance = self._planner.clearance(grid, here, self._bumps.obstacles(grid))
+            self._clearance = self._planner.clearance(
+                grid, here, self._bumps.obstacles(grid), squeeze=self._squeezing
+            )
         return self._clearance
+
+    def squeeze(self, squeezing: bool = True) -> None:
+        """From now on, walk through gaps that may be just wide enough, too; or no longer."""
+        if squeezing is not self._squeezing:
+            self._squeezing, self._clearance = squeezing, None
 
     def reach(self, observation: Observation, grid: OccupancyGrid) -> CostField:
         """Cost of walking from the agent to every cell of the known free space."""

@@ -65,9 +65,15 @@ class SearchPlanConfig(ConfigModel):
     glimpse: Annotated[float, Field(ge=0.0)] = 4.0
     """What a glimpse of the target with score 1 adds to the frontier that leads to it."""
 
-    other_floor: Annotated[float, Field(ge=0.0, le=1.0)] = 0.015
-    """Promise of a frontier on stairs, and of an edge where stairs may lead down: a floor is
-    searched before it is left."""
+    other_floor: Annotated[float, Field(ge=0.0)] = 0.7
+    """Promise of stairs to a floor that was not seen yet: about as much as two good frontiers."""
+
+    edge_share: Annotated[float, Field(ge=0.0, le=1.0)] = 0.3
+    """Share of that for an edge from which stairs may lead down, but none has been seen."""
+
+    storey_m: Annotated[float, Field(ge=0.0)] = 25.0
+    """What stairs cost beyond the way to them, metres: the flight, and half of the search of the
+    floor to which they lead, before something is found there."""
 
     places: Annotated[int, Field(ge=1, le=MAX_PLACES)] = 10
     """Frontiers whose order is worked out; of more, those that promise most for their distance."""
@@ -100,7 +106,7 @@ class Belief:
 
 
 def ranked_frontiers(
-    places: tuple[Sequence[FrontierCluster], Sequence[FrontierCluster]],
+    places: tuple[Sequence[FrontierCluster], Sequence[WeighedFrontier]],
     belief: Belief,
     view: MapView,
     reach: CostField,
@@ -110,7 +116,8 @@ def ranked_frontiers(
     """The frontiers in the order that finds the target soonest; those not ordered come last.
 
     Args:
-        places: The frontiers of this floor, and what leads to others; one or more in all.
+        places: The frontiers of this floor, and what leads to others (`off_this_floor`); one or
+            more in all.
         belief: Where the target may be.
         view: The map.
         reach: Cost of walking from the agent to every cell.
@@ -129,13 +136,15 @@ def ranked_frontiers(
         k = _leading_to(glimpse.place[None], frontiers)
         promise = weighed[k].promise + config.glimpse * glimpse.score
         weighed[k] = replace(weighed[k], promise=promise, speaks=GLIMPSED)
-    weighed += [_off_this_floor(place, belief, config) for place in stairs]
+    weighed += stairs
     chance = np.array([frontier.promise for frontier in weighed])
-    cost = np.array([frontier.path_cost for frontier in weighed])
+    beyond = np.array([config.storey_m if frontier.on_stairs else 0.0 for frontier in weighed])
+    cost = np.array([frontier.path_cost for frontier in weighed]) + beyond
     by_promise = np.argsort(-chance / (cost + 1.0), kind="stable")
     kept, rest = by_promise[: config.places], by_promise[config.places :]
     stands = np.stack([weighed[k].waypoint for k in kept])
     between = planner.costs_between(reach.clearance, stands, config.between)
+    between += beyond[kept, None] + beyond[kept]
     between = np.minimum(between, cost[kept, None] + cost[kept])
     between[~np.isfinite(between)] = UNREACHABLE_M
     order = soonest_order(cost[kept], between, chance[kept])
@@ -230,10 +239,10 @@ def _weigh(
     )
 
 
-def _off_this_floor(
-    place: FrontierCluster, belief: Belief, config: SearchPlanConfig
+def off_this_floor(
+    place: FrontierCluster, promise: float, belief: Belief, config: SearchPlanConfig
 ) -> WeighedFrontier:
-    """What a way to another floor promises."""
+    """A way to another floor, and what it promises; more where the target was seen there."""
     return WeighedFrontier(
         waypoint=place.nearest,
         cells=place.size,
@@ -243,7 +252,7 @@ def _off_this_floor(
         speaks=GLIMPSED if belief.elsewhere else "",
         guided=False,
         on_stairs=True,
-        promise=config.glimpse if belief.elsewhere else config.other_floor,
+        promise=config.glimpse if belief.elsewhere else promise,
     )
 
 
