@@ -272,6 +272,21 @@ class Navigator:
                 return waypoint
             self._phase = Phase.TARGET_ACQUISITION
         self._search.leave()
+        towards = self._towards_target(observation, view, reach, admissible)
+        if towards is None:
+            reach = self._squeezed(observation, view)
+            towards = self._towards_target(observation, view, reach, admissible)
+        return towards
+
+    def _towards_target(
+        self,
+        observation: Observation,
+        view: MapView,
+        reach: CostField,
+        admissible: NDArray[np.bool_],
+    ) -> NDArray[np.float64] | None:
+        """Where the target is seen from nearby, or the frontier by which it may be reached."""
+        assert self._search is not None
         vantage = self._vantage(observation, view, reach)
         if vantage is not None:
             return vantage

@@ -183,9 +183,10 @@ class PlannedSearch:
         admissible: NDArray[np.bool_],
     ) -> NDArray[np.float64] | None:
         """The (3,) waypoint of the frontier by which a target in sight may be reached, or None."""
-        clusters = self._clusters(view, reach, admissible)
-        if clusters:
-            self._waypoint = frontier_towards(clusters, target_points)
+        self.leave()
+        frontiers, _ = self._choices(view, reach, admissible)
+        if frontiers:
+            self._waypoint = frontier_towards(frontiers, target_points)
         return self._waypoint
 
     def leave(self) -> None:
@@ -274,13 +275,6 @@ class PlannedSearch:
             taken.add((up, on_stairs))
             found.append(off_this_floor(place, promise, belief, self._config))
         return found
-
-    def _clusters(
-        self, view: MapView, reach: CostField, admissible: NDArray[np.bool_]
-    ) -> tuple[FrontierCluster, ...]:
-        """The frontiers to choose from; the last choice is forgotten."""
-        self.leave()
-        return frontier_clusters(view, reach, admissible)
 
 
 def _rises(place: FrontierCluster, view: MapView) -> bool:

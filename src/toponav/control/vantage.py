@@ -21,6 +21,10 @@ LOOK_M = (1.2, 2.4)
 """Another look is taken from between these distances, metres: nearer, the camera looks over low
 things."""
 
+ON_FLIGHT_M = 0.3
+"""Treads this far from the floor's height are on the way to another: nothing is seen from there as
+from the floor."""
+
 MAX_TRIED = 200
 """Spots checked for sight, the best first."""
 
@@ -56,7 +60,7 @@ def vantage_point(
         the stop distance, the spot nearest to the target; None when no spot sees it from within
         the farthest distance.
     """
-    cells = np.argwhere(np.isfinite(reach.cost))
+    cells = _standing(view, reach)
     if not len(cells) or not len(target_points):
         return None
     spots = reach.clearance.grid.center_of(cells)
@@ -94,7 +98,7 @@ def further_look(
         (3,) on the floor, world frame, metres; None if there is none.
     """
     points = goal.points(view, target)
-    cells = np.argwhere(np.isfinite(reach.cost))
+    cells = _standing(view, reach)
     if not len(cells) or not len(points):
         return None
     spots = reach.clearance.grid.center_of(cells)
@@ -113,3 +117,11 @@ def further_look(
         if tried == MAX_TRIED:
             return None
     return None
+
+
+def _standing(view: MapView, reach: CostField) -> NDArray[np.int64]:
+    """(N, 2) cells on the floor that can be walked to."""
+    can_stand = np.isfinite(reach.cost)
+    if view.grid.stairs is not None:
+        can_stand &= ~(np.abs(view.grid.stairs) > ON_FLIGHT_M)  # NaN, no stair, is not
+    return np.argwhere(can_stand)
