@@ -67,6 +67,7 @@ class Locomotion:
         """Learn from the last action; call once a step, before anything else."""
         self._walked = None
         self._clearance = None
+        self._bumps.stand(observation.world_from_base.translation)
         if observation.collided:
             self._bumps.add(observation.world_from_base)
 

@@ -13,6 +13,7 @@ from toponav.control.frontier_clusters import FrontierCluster, frontier_clusters
 from toponav.control.locomotion import Locomotion, LocomotionConfig
 from toponav.control.planner import CostField, Planner
 from toponav.control.search_plan import (
+    GLIMPSED,
     Belief,
     SearchPlanConfig,
     frontier_towards,
@@ -262,18 +263,20 @@ class PlannedSearch:
 
         On a flight all count alike: what leads on is the nearest.
         """
+        config, speaks = self._config, GLIMPSED if belief.elsewhere else ""
         affinity = {**self._affinities(), self._target: 1.0}
         found, taken = [], set()
         for place in sorted(stairs, key=lambda place: place.path_cost):
             on_stairs, up = is_on_stairs(place, view), _rises(place, view)
             promise = self._storeys.promise(
-                up=up, view=view, unseen=self._config.other_floor, affinity=affinity
+                up=up, view=view, unseen=config.other_floor, affinity=affinity
             )
-            promise *= 1.0 if on_stairs else self._config.edge_share
+            promise *= 1.0 if on_stairs else config.edge_share
             if (up, on_stairs) in taken and not on_flight:
                 promise = LEAST_PROMISE
             taken.add((up, on_stairs))
-            found.append(off_this_floor(place, promise, belief, self._config))
+            promise = config.glimpse if belief.elsewhere else promise
+            found.append(off_this_floor(place, promise, speaks, on_stairs=on_stairs))
         return found
 
 

@@ -34,6 +34,9 @@ class PlannerConfig(ConfigModel):
     clearance_weight: float = Field(default=3.0, ge=0.0)
     """Extra cost of a metre at zero clearance, in metres."""
 
+    tight_weight: float = Field(default=10.0, ge=0.0)
+    """The same for what is nearer to obstacles than the agent's radius, where it may touch them."""
+
     escape_radius_m: float = Field(default=0.45, ge=0.0)
     """Around the agent, free cells may be crossed however near an obstacle is: it stands there."""
 
@@ -198,7 +201,8 @@ class Planner:
         # Where its body is there is no obstacle, whatever the map says.
         fits |= here <= config.radius_m
         shortfall = np.clip(1.0 - distance / config.preferred_clearance_m, 0.0, 1.0)
-        cost = 1.0 + config.clearance_weight * shortfall**2
+        tight = np.clip(1.0 - distance / config.radius_m, 0.0, 1.0)
+        cost = 1.0 + config.clearance_weight * shortfall**2 + config.tight_weight * tight**2
         return Clearance(grid, distance, fits, cost)
 
     def cost_field(

@@ -8,6 +8,7 @@ from collections import deque
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
+from scipy.spatial import cKDTree
 
 from toponav.config_model import ConfigModel
 from toponav.control.discrete import HeadingBarred
@@ -42,6 +43,10 @@ class RecoveryConfig(ConfigModel):
     bumps_to_block: int = Field(default=3, ge=1)
     """Bumps within `bump_radius_m` of each other after which explained ones block, too."""
 
+    body_m: float = Field(default=0.15, ge=0.0)
+    """Within this distance of where the agent has stood there is no obstacle that no image shows,
+    metres: a little less than its radius."""
+
     window_steps: int = Field(default=30, ge=1)
     """Steps over which progress is looked for; a half turn takes six."""
 
@@ -55,18 +60,29 @@ class RecoveryConfig(ConfigModel):
     """... for this many decisions."""
 
 
+STOOD_APART_M = 0.1
+"""Of places nearer to each other than this, metres, one is remembered."""
+
+
 class BumpMemory:
     """Remembers where forward steps were cut short.
 
     A bump beside a mapped obstacle is a graze and only bars its heading. One that nothing on the
     map explains means an obstacle that no image shows: it is put on the map where it was felt, and
-    forgotten once the map shows something there.
+    forgotten once the map shows something there, or the agent passes. What it came through it can
+    go back through: it only has to aim better.
     """
 
     def __init__(self, config: RecoveryConfig) -> None:
         """Start without bumps."""
         self._config = config
         self._bumps = np.zeros((0, 3))
+        self._stood: dict[tuple[int, int], tuple[float, float]] = {}
+
+    def stand(self, xy: ArrayLike) -> None:
+        """The agent stands at (2 or 3,) a place."""
+        x, y = (float(v) for v in np.asarray(xy, dtype=np.float64)[:2])
+        self._stood[round(x / STOOD_APART_M), round(y / STOOD_APART_M)] = (x, y)
 
     def add(self, world_from_base: Pose) -> None:
         """A forward step ended here, blocked."""
@@ -94,7 +110,11 @@ class BumpMemory:
         repeated = (apart <= self._config.bump_radius_m).sum(axis=1) >= self._config.bumps_to_block
         felt = repeated | ~self._explained(grid)
         contact: NDArray[np.float64] = (xy + self._config.contact_m * self._ahead)[felt]
-        return contact
+        if not len(contact) or not self._stood:
+            return contact
+        stood = np.array(list(self._stood.values()))
+        away, _ = cKDTree(stood).query(contact)
+        return contact[away > self._config.body_m]
 
     @property
     def _ahead(self) -> NDArray[np.float64]:

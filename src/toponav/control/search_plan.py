@@ -68,8 +68,9 @@ class SearchPlanConfig(ConfigModel):
     other_floor: Annotated[float, Field(ge=0.0)] = 0.7
     """Promise of stairs to a floor that was not seen yet: about as much as two good frontiers."""
 
-    edge_share: Annotated[float, Field(ge=0.0, le=1.0)] = 0.3
-    """Share of that for an edge from which stairs may lead down, but none has been seen."""
+    edge_share: Annotated[float, Field(ge=0.0, le=1.0)] = 0.15
+    """Share of that for an edge from which stairs may be seen that lead down: a look from there
+    costs no more than the way to it."""
 
     storey_m: Annotated[float, Field(ge=0.0)] = 25.0
     """What stairs cost beyond the way to them, metres: the flight, and half of the search of the
@@ -240,19 +241,26 @@ def _weigh(
 
 
 def off_this_floor(
-    place: FrontierCluster, promise: float, belief: Belief, config: SearchPlanConfig
+    place: FrontierCluster, promise: float, speaks: str, *, on_stairs: bool
 ) -> WeighedFrontier:
-    """A way to another floor, and what it promises; more where the target was seen there."""
+    """Stairs to another floor, or an edge from which they may be seen.
+
+    Args:
+        place: Where.
+        promise: What the other floor promises.
+        speaks: What speaks for it; empty for nothing.
+        on_stairs: Whether it is on stairs.
+    """
     return WeighedFrontier(
         waypoint=place.nearest,
         cells=place.size,
         path_cost=place.path_cost,
         unknown_m2=0.0,
-        likelihood=config.base_likelihood,
-        speaks=GLIMPSED if belief.elsewhere else "",
+        likelihood=0.0,
+        speaks=speaks,
         guided=False,
-        on_stairs=True,
-        promise=config.glimpse if belief.elsewhere else promise,
+        on_stairs=on_stairs,
+        promise=promise,
     )
 
 
