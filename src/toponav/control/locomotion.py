@@ -116,7 +116,8 @@ class Locomotion:
             self.progress = Progress.ARRIVED
             return None
         action = None
-        if not self._monitor.stalled(xy, field):
+        circles = self._monitor.circles(observation.world_from_base)
+        if not (self._monitor.stalled(xy, field) or circles):
             barred = self._bumps.barring(xy, grid)
             action = self._follower.next_action(observation.world_from_base, field, barred)
         if action is None:

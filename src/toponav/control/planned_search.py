@@ -152,14 +152,16 @@ class PlannedSearch:
         self.leave()
         reach, on_flight = standing.reach, self._on_flight(standing.foot_z, view)
         frontiers, stairs = self._choices(view, reach, standing.admissible)
+        behind_gaps: tuple[FrontierCluster, ...] = ()
         if on_flight and self._left_floor == view.floor:
             # nobody turns round half-way
             own = tuple(end for end in stairs if end.path_cost <= SAME_FLIGHT_M)
             frontiers, stairs = ((), own) if own else (frontiers, stairs)
         elif not frontiers and not on_flight:
             reach = standing.squeezed()
-            frontiers = self._behind_gaps(view, reach, standing.admissible)
-            self.squeezes = bool(frontiers)
+            frontiers, beyond = self._behind_gaps(view, reach, standing.admissible)
+            behind_gaps = (*frontiers, *(() if stairs else beyond))
+            stairs = stairs or beyond
         if not frontiers and not stairs:
             return None
         seen = {name: a for name, a in self._affinities().items() if name in view.objects}
@@ -172,8 +174,9 @@ class PlannedSearch:
         self._waypoint = self._weighed[0].waypoint
         chosen = next(c for c in (*frontiers, *stairs) if c.nearest is self._waypoint)
         self._drops.approach(chosen if isinstance(chosen, DropEdge) else None)
+        self.squeezes = chosen in behind_gaps
         if chosen in stairs:
-            self._left_floor, self.squeezes = view.floor, False
+            self._left_floor = view.floor
         return self._waypoint
 
     def set_out_towards(
@@ -245,16 +248,17 @@ class PlannedSearch:
 
     def _behind_gaps(
         self, view: MapView, squeezed: CostField, admissible: NDArray[np.bool_]
-    ) -> tuple[FrontierCluster, ...]:
-        """The frontiers of this floor behind gaps that may be too narrow, if it is worth it."""
-        frontiers, _ = self._choices(view, squeezed, admissible)
+    ) -> tuple[tuple[FrontierCluster, ...], tuple[FrontierCluster, ...]]:
+        """The choices behind gaps that may be too narrow; frontiers where they are worth it."""
+        frontiers, stairs = self._choices(view, squeezed, admissible)
         reach_m = self._config.unknown_reach_m
-        return tuple(
+        worthwhile = tuple(
             replace(cluster, path_cost=cluster.path_cost + SQUEEZE_M)
             for cluster in frontiers
             if unknown_area_m2(view.grid, view.grid.index_of(cluster.cells), reach_m)
             >= SQUEEZE_FOR_M2
         )
+        return worthwhile, stairs
 
     def _off_floor(
         self, stairs: Sequence[FrontierCluster], belief: Belief, view: MapView, *, on_flight: bool
@@ -282,7 +286,7 @@ class PlannedSearch:
 
 def _rises(place: FrontierCluster, view: MapView) -> bool:
     """Whether a place on stairs leads up; the edge of a floor leads down."""
-    if view.grid.stairs is None or isinstance(place, DropEdge):
+    if view.grid.stairs is None:
         return False
     i, j = view.grid.index_of(place.nearest)
     return bool(view.grid.stairs[i, j] > 0.0)  # NaN, no stair, is not

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections import deque
+from collections import Counter, deque
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -60,6 +60,9 @@ class RecoveryConfig(ConfigModel):
     """... for this many decisions."""
 
 
+SAME_M, SAME_RAD, VISITS = 0.05, 0.1, 3
+"""Poses that are as near as this, metres and radians, are the same; so many visits are a circle."""
+
 STOOD_APART_M = 0.1
 """Of places nearer to each other than this, metres, one is remembered."""
 
@@ -114,7 +117,8 @@ class BumpMemory:
             return contact
         stood = np.array(list(self._stood.values()))
         away, _ = cKDTree(stood).query(contact)
-        return contact[away > self._config.body_m]
+        unvisited: NDArray[np.float64] = contact[away > self._config.body_m]
+        return unvisited
 
     @property
     def _ahead(self) -> NDArray[np.float64]:
@@ -148,7 +152,15 @@ class ProgressMonitor:
     def restart(self) -> None:
         """A new goal: what came before does not count."""
         self._last_xy: NDArray[np.float64] | None = None
+        self._visits: Counter[tuple[int, int, int]] = Counter()
         self._gains: deque[float] = deque(maxlen=self._config.window_steps)
+
+    def circles(self, world_from_base: Pose) -> bool:
+        """Add a step; whether this walk has come to the same place and heading time and again."""
+        i, j = np.rint(world_from_base.translation[:2] / SAME_M).astype(int).tolist()
+        pose = i, j, round(world_from_base.yaw / SAME_RAD)
+        self._visits[pose] += 1
+        return self._visits[pose] >= VISITS
 
     def stalled(self, xy: ArrayLike, field: CostField) -> bool:
         """Add a step; whether the window's steps together brought the goal too little nearer.

@@ -65,8 +65,8 @@ class SearchPlanConfig(ConfigModel):
     glimpse: Annotated[float, Field(ge=0.0)] = 4.0
     """What a glimpse of the target with score 1 adds to the frontier that leads to it."""
 
-    other_floor: Annotated[float, Field(ge=0.0)] = 0.7
-    """Promise of stairs to a floor that was not seen yet: about as much as two good frontiers."""
+    other_floor: Annotated[float, Field(ge=0.0)] = 1.5
+    """Promise of stairs to a floor that was not seen yet: as that of some four frontiers."""
 
     edge_share: Annotated[float, Field(ge=0.0, le=1.0)] = 0.15
     """Share of that for an edge from which stairs may be seen that lead down: a look from there
