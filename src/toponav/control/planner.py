@@ -34,8 +34,15 @@ class PlannerConfig(ConfigModel):
     clearance_weight: float = Field(default=3.0, ge=0.0)
     """Extra cost of a metre at zero clearance, in metres."""
 
+    tight_weight: float = Field(default=10.0, ge=0.0)
+    """The same for what is nearer to obstacles than the agent's radius, where it may touch them."""
+
     escape_radius_m: float = Field(default=0.45, ge=0.0)
     """Around the agent, free cells may be crossed however near an obstacle is: it stands there."""
+
+    squeeze_radius_m: float = Field(default=0.1, gt=0.0)
+    """Where nothing else leads on, gaps that would let through an agent of this radius, metres, are
+    tried: on the map a gap may be narrower by a cell than it is."""
 
     max_step_m: float = Field(default=0.3, gt=0.0)
     """Where a stair is higher or lower than this against the floor beside it, metres, one cannot
@@ -149,7 +156,12 @@ class Planner:
         self._config = config
 
     def clearance(
-        self, grid: OccupancyGrid, agent_xy: ArrayLike, blocked_xy: ArrayLike | None = None
+        self,
+        grid: OccupancyGrid,
+        agent_xy: ArrayLike,
+        blocked_xy: ArrayLike | None = None,
+        *,
+        squeeze: bool = False,
     ) -> Clearance:
         """Inflate the obstacles by the agent's radius.
 
@@ -157,8 +169,10 @@ class Planner:
             grid: Known space; beyond the agent's own body only FREE cells are ever crossed.
             agent_xy: (2 or 3,) where the agent stands, world frame, metres.
             blocked_xy: (N, 2) positions of obstacles that the agent felt and no image shows.
+            squeeze: By `squeeze_radius_m` instead.
         """
         config = self._config
+        radius_m = config.squeeze_radius_m if squeeze else config.radius_m
         occupied, free = np.isin(grid.cells, (OCCUPIED, DROP)), grid.cells == FREE
         if grid.stairs is not None:
             on_flight = binary_dilation(np.isfinite(grid.stairs), iterations=TREAD_CELLS)
@@ -181,13 +195,14 @@ class Planner:
             distance = np.full(grid.cells.shape, np.inf)
         # An obstacle's surface lies anywhere in its cell, on average half a cell inside; a whole
         # cell of margin would close doors of 0.7 m on a 0.1 m grid.
-        fits = free & (distance + half_cell > config.radius_m)
+        fits = free & (distance + half_cell > radius_m)
         here = _distance_to(grid, agent_xy)
         fits |= free & (here <= config.escape_radius_m)
         # Where its body is there is no obstacle, whatever the map says.
         fits |= here <= config.radius_m
         shortfall = np.clip(1.0 - distance / config.preferred_clearance_m, 0.0, 1.0)
-        cost = 1.0 + config.clearance_weight * shortfall**2
+        tight = np.clip(1.0 - distance / config.radius_m, 0.0, 1.0)
+        cost = 1.0 + config.clearance_weight * shortfall**2 + config.tight_weight * tight**2
         return Clearance(grid, distance, fits, cost)
 
     def cost_field(

@@ -29,6 +29,10 @@ mapped well enough to hide what stands against its other side."""
 WALL_TOP_M = 2.0
 """What reaches from the eye's height to somewhere below this may be a wall; a lintel is higher."""
 
+ON_FLIGHT_M = 0.3
+"""Treads this far from the floor's height are on the way to another: nothing is seen from there as
+from the floor."""
+
 MAX_TRIED = 200
 """Spots checked for sight, the best first."""
 
@@ -64,7 +68,7 @@ def vantage_point(
         the stop distance, the spot nearest to the target; None when no spot sees it from within
         the farthest distance.
     """
-    cells = np.argwhere(np.isfinite(reach.cost))
+    cells = _standing(view, reach)
     if not len(cells) or not len(target_points):
         return None
     spots = reach.clearance.grid.center_of(cells)
@@ -107,7 +111,7 @@ def further_look(
         (3,) on the floor, world frame, metres; None if there is none.
     """
     points = goal.points(view, target)
-    cells = np.argwhere(np.isfinite(reach.cost))
+    cells = _standing(view, reach)
     if not len(cells) or not len(points):
         return None
     spots = reach.clearance.grid.center_of(cells)
@@ -154,3 +158,11 @@ def _crosses(
     share = np.linspace(0.0, 1.0, 2 + math.ceil(longest / (0.5 * grid.resolution)))[:, None, None]
     cells = np.clip(grid.index_of(starts + share * line), 0, np.array(walls.shape) - 1)
     return np.asarray(walls[cells[..., 0], cells[..., 1]].any(axis=0))
+
+
+def _standing(view: MapView, reach: CostField) -> NDArray[np.int64]:
+    """(N, 2) cells on the floor that can be walked to."""
+    can_stand = np.isfinite(reach.cost)
+    if view.grid.stairs is not None:
+        can_stand &= ~(np.abs(view.grid.stairs) > ON_FLIGHT_M)  # NaN, no stair, is not
+    return np.argwhere(can_stand)

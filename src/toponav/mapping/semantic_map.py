@@ -27,7 +27,12 @@ from toponav.config_model import ConfigModel
 from toponav.errors import ObservationError, StaleViewError
 from toponav.mapping.back_projection import PosedFrame
 from toponav.mapping.clearing import Clearing, ClearingConfig, Voxels
-from toponav.mapping.flights import beside_unknown, ends_of_flights, filled_flights
+from toponav.mapping.flights import (
+    beside_unknown,
+    ends_of_flights,
+    filled_flights,
+    tread_heights,
+)
 from toponav.mapping.floors import Floor, FloorLayers
 from toponav.mapping.frame_sums import MAX_LABELS, DepthWindow, Masks, Scratch
 from toponav.mapping.frontiers import FrontierMap
@@ -426,14 +431,10 @@ class SemanticMap:
         """
         config = self.config
         grid = floor.grid.snapshot()
-        stairs = self._scene.arrays.points[self._layers.stairs(floor)]
-        treads = np.vstack([stairs, floor.treads.cloud().points])
-        if not len(treads):
+        seen = self._scene.arrays.points[self._layers.stairs(floor)]
+        heights = tread_heights(grid, seen, floor.treads.cloud().points, floor.z)
+        if heights is None:
             return grid
-        heights = np.full(grid.cells.shape, -np.inf, np.float32)
-        cell = grid.index_of(treads)
-        np.maximum.at(heights, (cell[:, 0], cell[:, 1]), treads[:, 2] - np.float32(floor.z))
-        heights[np.isneginf(heights)] = np.nan
         if not config.stairwells:
             return replace(grid, stairs=frozen(heights))
         cells, heights = filled_flights(grid, heights, floor.grid.floor_cells())
