@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from toponav.control.drops import ON_FLIGHT_M, DropEdge, DropEdges
 from toponav.control.frontier_clusters import FrontierCluster, frontier_clusters
 from toponav.control.locomotion import Locomotion, LocomotionConfig
+from toponav.control.looks import Looks
 from toponav.control.planner import CostField, Planner
 from toponav.control.search_plan import (
     GLIMPSED,
@@ -23,6 +24,7 @@ from toponav.control.search_plan import (
     ranked_frontiers,
 )
 from toponav.control.storeys import LEAST_PROMISE, Storeys
+from toponav.geometry import Pose
 from toponav.mapping.unknown_area import unknown_area_m2
 from toponav.mapping.view import MapView
 from toponav.policy.decision import WeighedFrontier
@@ -102,6 +104,7 @@ class PlannedSearch:
         self._waypoint: NDArray[np.float64] | None = None
         self._weighed: tuple[WeighedFrontier, ...] = ()
         self._drops = DropEdges()
+        self._looks = Looks()
         self._left_floor: int | None = None
         self._landing = False
         self._storeys = Storeys()
@@ -165,7 +168,7 @@ class PlannedSearch:
         if not frontiers and not stairs:
             return None
         seen = {name: a for name, a in self._affinities().items() if name in view.objects}
-        belief = Belief(seen, hints.guided, hints.glimpses, hints.elsewhere)
+        belief = Belief(seen, hints.guided, hints.glimpses, hints.elsewhere, self._looks)
         off_floor = self._off_floor(stairs, belief, view, on_flight=on_flight)
         choices = (frontiers, off_floor)
         self._weighed = ranked_frontiers(choices, belief, view, reach, self._planner, self._config)
@@ -204,6 +207,10 @@ class PlannedSearch:
         if self._waypoint is None or self._drops.approached or self._landing:
             return False
         return not bool((_distance(view, self._waypoint) <= self._config.vanished_m).any())
+
+    def observe(self, world_from_base: Pose) -> None:
+        """Note where the camera looks; call once a step."""
+        self._looks.add(world_from_base)
 
     def look(self, observation: Observation, view: MapView, walker: Locomotion) -> Action | None:
         """On arrival, the turn towards what is left of the frontier; None when that is seen."""
