@@ -173,6 +173,20 @@ def test_doors_stay_passable_wherever_the_grid_lies(width: float, offset: float)
     assert crossing == pytest.approx((low + high) / 2, abs=0.12)
 
 
+def test_a_gap_that_may_be_just_wide_enough_is_crossed_only_when_it_must_be() -> None:
+    cells = np.full((20, 20), FREE, np.int8)
+    cells[:9, 11] = cells[11:, 8] = OCCUPIED  # two corners, 0.32 m apart
+    grid = OccupancyGrid(cells, (0.0, 0.0), R)
+    goal, start = (1.0, 1.7), (1.0, 0.3)
+
+    def cost(squeeze: bool) -> float:
+        clearance = PLANNER.clearance(grid, FAR, squeeze=squeeze)
+        return float(PLANNER.cost_field(clearance, goal).at(start))
+
+    assert math.isinf(cost(squeeze=False))
+    assert math.isfinite(cost(squeeze=True))
+
+
 def flight(rise_m: float) -> OccupancyGrid:
     """Floor all round a flight of five cells' width that climbs along x, `rise_m` a cell."""
     grid = drawn(*["." * 25] * 25)
