@@ -37,6 +37,7 @@ def test_clearance_is_the_distance_to_the_nearest_occupied_cell() -> None:
     cells = rng.choice([FREE, FREE, FREE, UNKNOWN, OCCUPIED], (25, 18)).astype(np.int8)
     grid = OccupancyGrid(cells, (-1.0, 2.0), R)
     clearance = PLANNER.clearance(grid, FAR)
+    careful = Planner(PlannerConfig(tight_weight=10.0)).clearance(grid, FAR)
     occupied = np.argwhere(cells == OCCUPIED)
     for i, j in np.ndindex(cells.shape):
         centers = R * np.hypot(*(occupied - (i, j)).T).min()
@@ -44,6 +45,9 @@ def test_clearance_is_the_distance_to_the_nearest_occupied_cell() -> None:
         assert clearance.traversable[i, j] == (cells[i, j] == FREE and centers > 0.18)
         shortfall = min(max(0.0, 1.0 - (centers - R / 2) / 0.5), 1.0)
         assert clearance.step_cost[i, j] == pytest.approx(1.0 + 3.0 * shortfall**2)
+        tight = min(max(0.0, 1.0 - (centers - R / 2) / 0.18), 1.0)
+        more = 1.0 + 3.0 * shortfall**2 + 10.0 * tight**2
+        assert careful.step_cost[i, j] == pytest.approx(more)
 
 
 def test_open_space_has_no_clearance_to_lose() -> None:

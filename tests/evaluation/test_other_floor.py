@@ -7,8 +7,8 @@ import pytest
 from toponav.errors import InputError
 from toponav.evaluation.other_floor import changes_floor, only
 from toponav.evaluation.rollout import FLOOR_CHANGE_M
-from toponav.evaluation.runner import SceneRunner
 from toponav.evaluation.run_config import run_config
+from toponav.evaluation.runner import SceneRunner
 from toponav.evaluation.sources import SceneSource
 from toponav.evaluation.tasks import plan
 
