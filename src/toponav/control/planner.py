@@ -34,7 +34,7 @@ class PlannerConfig(ConfigModel):
     clearance_weight: float = Field(default=3.0, ge=0.0)
     """Extra cost of a metre at zero clearance, in metres."""
 
-    tight_weight: float = Field(default=10.0, ge=0.0)
+    tight_weight: float = Field(default=0.0, ge=0.0)
     """The same for what is nearer to obstacles than the agent's radius, where it may touch them."""
 
     escape_radius_m: float = Field(default=0.45, ge=0.0)
