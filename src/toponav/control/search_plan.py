@@ -135,8 +135,10 @@ def ranked_frontiers(
     by_promise = np.argsort(-chance / (cost + 1.0), kind="stable")
     kept, rest = by_promise[: config.places], by_promise[config.places :]
     stands = np.stack([weighed[k].waypoint for k in kept])
-    between = planner.costs_between(reach.clearance, stands, config.between)
-    between = np.minimum(between, cost[kept, None] + cost[kept])
+    by_the_agent = cost[kept, None] + cost[kept]
+    within = np.minimum(by_the_agent, config.between)
+    between = planner.costs_between(reach.clearance, stands, within)
+    between = np.minimum(between, by_the_agent)
     between[~np.isfinite(between)] = UNREACHABLE_M
     order = soonest_order(cost[kept], between, chance[kept])
     ranked = [replace(weighed[kept[place]], rank=rank) for rank, place in enumerate(order)]

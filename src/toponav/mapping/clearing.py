@@ -107,13 +107,11 @@ class Clearing:
         Args:
             points: (N, 3) centroids of all slots, metres.
         """
-        new = points[self._watched :, :2]
-        if not len(new):
+        if len(points) == self._watched:
             return
-        tile = np.floor(new / TILE_M).astype(np.int64)
-        self._make_room(tile.min(axis=0), tile.max(axis=0) + 1, len(points))
-        local = tile - self._tiles.corner
-        _link(self._tiles, local, self._watched)
+        low, end = _tiles_about(points[self._watched :])
+        self._make_room(low, end, len(points))
+        _link(self._tiles, points, self._watched)
         self._watched = len(points)
 
     def look(
@@ -173,12 +171,24 @@ class _Rules(NamedTuple):
 
 
 @njit(cache=True)
-def _link(tiles: _Tiles, local: NDArray[np.int64], start: int) -> None:
+def _tiles_about(points: NDArray[np.float32]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """(2,) indices of the first tile that holds a point, and of the one after the last."""
+    low, end = np.full(2, np.iinfo(np.int64).max), np.full(2, np.iinfo(np.int64).min)
+    for row in range(points.shape[0]):
+        for axis in range(2):
+            tile = int(np.floor(points[row, axis] / TILE_M))
+            low[axis], end[axis] = min(low[axis], tile), max(end[axis], tile + 1)
+    return low, end
+
+
+@njit(cache=True)
+def _link(tiles: _Tiles, points: NDArray[np.float32], start: int) -> None:
     """Put slots from `start` on into the lists of their tiles."""
-    for row in range(local.shape[0]):
-        i, j = local[row, 0], local[row, 1]
-        tiles.after[start + row] = tiles.first[i, j]
-        tiles.first[i, j] = start + row
+    for slot in range(start, points.shape[0]):
+        i = int(np.floor(points[slot, 0] / TILE_M)) - tiles.corner[0]
+        j = int(np.floor(points[slot, 1] / TILE_M)) - tiles.corner[1]
+        tiles.after[slot] = tiles.first[i, j]
+        tiles.first[i, j] = slot
 
 
 class _Sight(NamedTuple):

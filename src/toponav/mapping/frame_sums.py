@@ -87,6 +87,7 @@ class _Row(NamedTuple):
         depth_sums: (W + 1,) sums over the pixels before one: of the depths,
         lateral_sums: (W + 1,) of the camera's x,
         color_sums: (W + 1,) of the packed colours.
+        breaks: (W,) whether a run starts here; true for the first pixel.
         starts: (W + 1,) first pixels of the runs: neighbours in one voxel, with the same labels.
     """
 
@@ -94,6 +95,7 @@ class _Row(NamedTuple):
     depth_sums: NDArray[np.float64]
     lateral_sums: NDArray[np.float64]
     color_sums: NDArray[np.uint64]
+    breaks: NDArray[np.bool_]
     starts: NDArray[np.int32]
 
 
@@ -194,6 +196,7 @@ def _gather_frame(
         np.zeros(width + 1),
         np.zeros(width + 1),
         np.zeros(width + 1, np.uint64),
+        np.ones(width, np.bool_),
         np.empty(width + 1, np.int32),
     )
     labels = np.zeros(width, np.uint32)
@@ -208,7 +211,7 @@ def _gather_frame(
         for instance in range(masks.bits.size):
             if masks.bits[instance] >= 0:
                 _label(masks.pixels[instance, v], np.uint32(1 << masks.bits[instance]), labels)
-        runs = _find_runs(row.codes, labels, row.starts)
+        runs = _find_runs(row.codes, labels, row.breaks, row.starts)
         _accumulate(depth, frame.ray_x, frame.rgb[v], row)
         found = _gather_row((row, runs, frame.ray_y[v]), labels, recent, gathered, found)
     return found
@@ -291,18 +294,19 @@ def _leave_out(depth: NDArray[np.float32], window: DepthWindow, codes: NDArray[n
 
 @njit(cache=True)
 def _find_runs(
-    codes: NDArray[np.float64], labels: NDArray[np.uint32], starts: NDArray[np.int32]
+    codes: NDArray[np.float64],
+    labels: NDArray[np.uint32],
+    breaks: NDArray[np.bool_],
+    starts: NDArray[np.int32],
 ) -> int:
-    """Write where the runs start; returns their number."""
-    width = codes.size
-    breaks = np.ones(width, np.bool_)
-    for u in range(1, width):
+    """Write where the runs start; returns their number. First vectors, then without branches."""
+    for u in range(1, codes.size):
         breaks[u] = (codes[u] != codes[u - 1]) | (labels[u] != labels[u - 1])
     runs = 0
-    for u in range(width):
+    for u in range(codes.size):
         starts[runs] = u
         runs += int(breaks[u])
-    starts[runs] = width
+    starts[runs] = codes.size
     return runs
 
 

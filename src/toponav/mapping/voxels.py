@@ -323,8 +323,10 @@ def _views(records: NDArray[np.void]) -> dict[str, NDArray[Any]]:
 
 def _lengthened(array: NDArray[Scalar], length: int) -> NDArray[Scalar]:
     """A copy with room for more; the system gives the room when it is first written to."""
-    longer = np.zeros((length, *array.shape[1:]), array.dtype)
-    longer[: len(array)] = array
+    longer = np.zeros(length, array.dtype)
+    longer.view(np.uint8)[: array.nbytes] = array.view(
+        np.uint8
+    )  # records are copied field by field
     return longer
 
 
