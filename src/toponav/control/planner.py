@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
-from scipy.ndimage import binary_dilation, distance_transform_edt
+from scipy.ndimage import binary_dilation
 from shapely import Polygon, contains_xy
 
 from toponav.config_model import ConfigModel
 from toponav.control.landings import landings
+from toponav.control.obstacle_distance import obstacle_distance
 from toponav.control.shortest_paths import (
     EVERYWHERE,
     NO_PARENT,
@@ -173,7 +174,8 @@ class Planner:
         """
         config = self._config
         radius_m = config.squeeze_radius_m if squeeze else config.radius_m
-        occupied, free = np.isin(grid.cells, (OCCUPIED, DROP)), grid.cells == FREE
+        occupied = (grid.cells == OCCUPIED) | (grid.cells == DROP)
+        free = grid.cells == FREE
         if grid.stairs is not None:
             on_flight = binary_dilation(np.isfinite(grid.stairs), iterations=TREAD_CELLS)
             occupied &= ~(on_flight & (grid.cells == DROP))  # treads not seen yet, more likely
@@ -189,10 +191,7 @@ class Planner:
             occupied[felt[:, 0], felt[:, 1]] = True
             free &= ~occupied
         half_cell = 0.5 * grid.resolution
-        if occupied.any():
-            distance = distance_transform_edt(~occupied) * grid.resolution - half_cell
-        else:
-            distance = np.full(grid.cells.shape, np.inf)
+        distance = obstacle_distance(occupied) * grid.resolution - half_cell
         # An obstacle's surface lies anywhere in its cell, on average half a cell inside; a whole
         # cell of margin would close doors of 0.7 m on a 0.1 m grid.
         fits = free & (distance + half_cell > radius_m)
@@ -235,15 +234,15 @@ class Planner:
         return CostField(clearance, fitted, cost, parent)
 
     def costs_between(
-        self, clearance: Clearance, places: NDArray[np.float64], within: float = math.inf
+        self, clearance: Clearance, places: NDArray[np.float64], within: ArrayLike = math.inf
     ) -> NDArray[np.float64]:
         """(N, N) costs of the ways between (N, 2 or 3) places; infinite without one.
 
         Args:
             clearance: Where the agent fits.
             places: World frame, metres.
-            within: Ways that cost more than this are left out, which saves most of the work in a
-                large map.
+            within: Ways that cost more than this may be left out, which saves most of the work in
+                a large map: one cost, or a symmetric (N, N) of them.
         """
         grid = clearance.grid
         fitted = [self._fit(clearance, place[:2]) for place in places]
@@ -251,9 +250,9 @@ class Planner:
         cells = grid.index_of(np.array([fitted[k] for k in known]).reshape(-1, 2))
         between = np.full((len(places), len(places)), np.inf)
         step_cost = clearance.step_cost * grid.resolution
-        between[np.ix_(known, known)] = costs_between(
-            clearance.traversable, step_cost, cells, within
-        )
+        limits = np.broadcast_to(np.asarray(within, np.float64), between.shape)
+        pairs = np.ix_(known, known)
+        between[pairs] = costs_between(clearance.traversable, step_cost, cells, limits[pairs])
         return between
 
     def _fit(

@@ -158,9 +158,11 @@ def ranked_frontiers(
     by_promise = np.argsort(-chance / (cost + 1.0), kind="stable")
     kept, rest = by_promise[: config.places], by_promise[config.places :]
     stands = np.stack([weighed[k].waypoint for k in kept])
-    between = planner.costs_between(reach.clearance, stands, config.between)
-    between += beyond[kept, None] + beyond[kept]
-    between = np.minimum(between, cost[kept, None] + cost[kept])
+    extra = beyond[kept, None] + beyond[kept]
+    by_the_agent = cost[kept, None] + cost[kept]
+    within = np.minimum(by_the_agent - extra, config.between)
+    between = planner.costs_between(reach.clearance, stands, within) + extra
+    between = np.minimum(between, by_the_agent)
     between[~np.isfinite(between)] = UNREACHABLE_M
     order = soonest_order(cost[kept], between, chance[kept])
     ranked = [replace(weighed[kept[place]], rank=rank) for rank, place in enumerate(order)]
