@@ -36,6 +36,7 @@ docs: $(VENV)/.docs ## Build the documentation into build/site; a dead link is a
 	$(BIN)/mkdocs build --strict --quiet
 
 figures: $(VENV)/.installed ## Draw the pictures of the documentation anew
+	$(BIN)/python docs/make_vocabulary_page.py
 	$(BIN)/python docs/make_furniture_sheet.py
 	$(BIN)/python docs/make_demo_picture.py
 	$(BIN)/python docs/make_concept_figures.py

@@ -467,6 +467,9 @@ def _detector_table(figures: dict[str, Any]) -> str:
         lines.append(
             f"{name:18} {row['objects']:7d}  {recall:>6}  {precision:>9}  {row['false']:5d}"
         )
+    for name, row in figures["by_score"].items():
+        precision = _share(row["precision"])
+        lines.append(f"{name:18} {'':7}  {'':6}  {precision:>9}  {row['false']:5d}")
     if figures["centroid_m"] is not None:
         lines.append(
             f"clouds of found objects: centroid {figures['centroid_m']:.3f} m off, "
