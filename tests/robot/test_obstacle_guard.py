@@ -12,17 +12,20 @@ from hypothesis import strategies as st
 from toponav.geometry import Intrinsics, Pose
 from toponav.geometry.conventions import BODY_FROM_OPTICAL
 from toponav.mapping.view import OCCUPIED, OccupancyGrid
+from toponav.robot.footprint import Footprint
+from toponav.robot.motion import MotionConfig
 from toponav.robot.obstacle_guard import GuardConfig, ObstacleGuard
 
 CAMERA = Intrinsics.from_hfov(160, 120, 79.0)
 CONFIG = GuardConfig(creep_speed=99.0)
 """Walls alone count: how unseen floor slows the robot down has its own test."""
-BRAKES = 0.5
+MOTION = MotionConfig()
+ROUND = Footprint()
 
 
 def facing_wall(distance: float) -> tuple[ObstacleGuard, Pose]:
     """A guard that sees a wall so far ahead of the base."""
-    guard = ObstacleGuard(CONFIG, BRAKES)
+    guard = ObstacleGuard(CONFIG, ROUND, MOTION)
     pose = Pose.from_yaw(0.7, (3.0, -2.0, 0.0))
     camera = pose @ Pose.from_rotation(np.eye(3), (0.0, 0.0, 0.5)) @ BODY_FROM_OPTICAL
     depth = np.full((120, 160), distance, np.float32)
@@ -34,10 +37,10 @@ def facing_wall(distance: float) -> tuple[ObstacleGuard, Pose]:
 def test_the_allowed_speed_stops_before_the_wall(distance) -> None:
     guard, pose = facing_wall(distance)
     speed = guard.limit(pose)
-    needed = speed * CONFIG.reaction_s + speed**2 / (2.0 * BRAKES)
-    assert needed + CONFIG.front_m <= distance + 0.03
+    needed = speed * CONFIG.reaction_s + speed**2 / (2.0 * MOTION.acceleration)
+    assert needed + ROUND.turning_radius_m <= distance + 0.03
     free = guard.free_ahead(pose)
-    assert free == pytest.approx(distance - CONFIG.front_m, abs=0.05)
+    assert free == pytest.approx(distance - ROUND.turning_radius_m, abs=0.05)
 
 
 def test_beside_and_behind_the_robot_nothing_counts() -> None:
@@ -74,7 +77,7 @@ def test_a_turning_robot_looks_where_it_turns_to() -> None:
 
 
 def test_the_floor_and_what_hangs_overhead_are_no_obstacles() -> None:
-    guard = ObstacleGuard(CONFIG, BRAKES)
+    guard = ObstacleGuard(CONFIG, ROUND, MOTION)
     camera = Pose.from_rotation(np.eye(3), (0.0, 0.0, 0.5)) @ BODY_FROM_OPTICAL
     rows = np.arange(120)[:, None] - CAMERA.cy
     with np.errstate(divide="ignore"):
@@ -85,7 +88,7 @@ def test_the_floor_and_what_hangs_overhead_are_no_obstacles() -> None:
 
 
 def test_where_the_floor_was_not_seen_the_robot_creeps() -> None:
-    guard = ObstacleGuard(GuardConfig(), BRAKES)
+    guard = ObstacleGuard(GuardConfig(), ROUND, MOTION)
     camera = Pose.from_rotation(np.eye(3), (0.0, 0.0, 0.5)) @ BODY_FROM_OPTICAL
     rows = np.arange(120)[:, None] - CAMERA.cy
     with np.errstate(divide="ignore"):
@@ -98,8 +101,10 @@ def test_where_the_floor_was_not_seen_the_robot_creeps() -> None:
 
 
 def test_the_map_s_obstacles_count_for_good() -> None:
-    guard = ObstacleGuard(CONFIG, BRAKES)
+    guard = ObstacleGuard(CONFIG, ROUND, MOTION)
     cells = np.zeros((20, 20), np.int8)
     cells[15, 9:11] = OCCUPIED
     guard.consult(OccupancyGrid(cells, (-1.0, -1.0), 0.1))
-    assert guard.free_ahead(Pose.identity()) == pytest.approx(0.55 - CONFIG.front_m, abs=0.02)
+    assert guard.free_ahead(Pose.identity()) == pytest.approx(
+        0.55 - ROUND.turning_radius_m, abs=0.02
+    )

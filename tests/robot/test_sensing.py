@@ -105,7 +105,7 @@ def test_every_profile_makes_a_robot_and_an_agent_that_fits_it(name, tmp_path) -
     config = navigator_config(robot)
     assert config.panorama.views == robot.panorama_views
     assert config.panorama.spacing_deg * robot.panorama_views >= 359.0
-    assert config.locomotion.planner.radius_m > robot.radius_m
+    assert config.locomotion.planner.radius_m >= robot.footprint.turning_radius_m
     path = tmp_path / "robot.yaml"
     path.write_text(robot_yaml(robot))
     assert robot_config(str(path)) == robot
