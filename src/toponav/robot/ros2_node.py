@@ -142,8 +142,11 @@ class SearchNode:
         self._tick_goals(time.monotonic())  # takes back a goal that is still being driven to
 
     def configure(self) -> None:
-        """Listen to the robot; without a target, wait for goals."""
+        """Listen to the robot, and start on the goal of the node's arguments, if any."""
         self._subscribe()
+        goal = str(self.node.get_parameter(GOAL_PARAMETER).value)
+        if goal.strip() and not self.search.goal:
+            self._pursue(goal)
 
     def activate(self) -> None:
         """The robot may move from now on."""
