@@ -120,5 +120,14 @@ def test_a_file_overrides_its_profile_and_unknown_keys_are_named(tmp_path) -> No
     path.write_text("motion:\n  max_sped: 0.2\n")
     with pytest.raises(ConfigError, match="max_sped"):
         robot_config(str(path))
+    for impossible, said in (
+        ("pose_topic: my pose", "pose_topic"),
+        ("watchdog: {keep_out: [[[0, 0], [1, 1]]]}", "keep_out"),
+        ("camera: [1, 2", "not YAML"),
+        ("- generic", "not a mapping"),
+    ):
+        path.write_text(impossible)
+        with pytest.raises(ConfigError, match=said):
+            robot_config(str(path))
     with pytest.raises(ConfigError, match="known: generic"):
         robot_config("rover")

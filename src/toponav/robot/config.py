@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import yaml
 from pydantic import Field
@@ -31,23 +31,27 @@ NAV2_ARRIVAL_M = 0.35
 """How near to a goal a walk ends where Nav2 drives, whose own tolerance is 0.25 m."""
 
 
+Topic = Annotated[str, Field(pattern=r"^[/~]?[A-Za-z_][A-Za-z0-9_/]*$")]
+"""A name that ROS takes for a topic."""
+
+
 class CameraConfig(ConfigModel):
     """The RGB-D camera: what it publishes and where it sits."""
 
-    color_topic: str = "camera/color/image_raw"
+    color_topic: Topic = "camera/color/image_raw"
     """Colour images, rgb8 or bgr8, rectified; with `/compressed` at the end, JPEG or PNG."""
 
-    depth_topic: str = "camera/aligned_depth_to_color/image_raw"
+    depth_topic: Topic = "camera/aligned_depth_to_color/image_raw"
     """Depth aligned to colour, of the same size; 16UC1 in millimetres or 32FC1 in metres; with
     `/compressedDepth` at the end, as PNG."""
 
-    info_topic: str = "camera/color/camera_info"
+    info_topic: Topic = "camera/color/camera_info"
     """Intrinsics of the colour camera."""
 
-    labels_topic: str = "camera/labels"
+    labels_topic: Topic = "camera/labels"
     """For the detector `labels`: segments of the colour image, 32SC1 indices into the names."""
 
-    names_topic: str = "camera/label_names"
+    names_topic: Topic = "camera/label_names"
     """For the detector `labels`: a JSON list of category names, latched."""
 
     slop_s: float = Field(default=0.02, ge=0.0)
@@ -85,7 +89,7 @@ class RobotConfig(ConfigModel):
     camera: CameraConfig = Field(default_factory=CameraConfig)
     """Its RGB-D camera."""
 
-    pose_topic: str = "odom"
+    pose_topic: Topic = "odom"
     """Pose of the base's foot point, from SLAM or odometry."""
 
     pose_type: Literal["Odometry", "PoseStamped", "PoseWithCovarianceStamped"] = "Odometry"

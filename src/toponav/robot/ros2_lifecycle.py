@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, Protocol
 
 from toponav.robot.ros2_import import import_ros
@@ -40,48 +41,51 @@ def create_managed_node(name: str) -> Any:
     return import_ros("rclpy.lifecycle").LifecycleNode(name)
 
 
-def let_manage(node: Any, managed: Managed) -> None:
-    """Pass a node's transitions on."""
+def let_manage(node: Any, managed: Managed, failures: list[str]) -> None:
+    """Pass a node's transitions on; what goes wrong in one is added to `failures`, in words."""
     lifecycle = import_ros("rclpy.lifecycle")
-    done = lifecycle.TransitionCallbackReturn.SUCCESS
+    returns, base = lifecycle.TransitionCallbackReturn, lifecycle.ManagedEntity
 
-    class Entity(lifecycle.ManagedEntity):  # type: ignore[misc]  # imported late
+    def outcome(work: Callable[[], None]) -> Any:
+        try:
+            work()
+        except Exception as error:  # rclpy would swallow it
+            failures.append(str(error))
+            return returns.FAILURE
+        return returns.SUCCESS
+
+    class Entity(base):  # type: ignore[misc, valid-type]  # imported late
         """Turns rclpy's callbacks into calls."""
 
         def on_configure(self, state: Any) -> Any:
             del state
-            managed.configure()
-            return done
+            return outcome(managed.configure)
 
         def on_activate(self, state: Any) -> Any:
             del state
-            managed.activate()
-            return done
+            return outcome(managed.activate)
 
         def on_deactivate(self, state: Any) -> Any:
             del state
-            managed.deactivate()
-            return done
+            return outcome(managed.deactivate)
 
         def on_cleanup(self, state: Any) -> Any:
             del state
-            managed.clean_up()
-            return done
+            return outcome(managed.clean_up)
 
         def on_shutdown(self, state: Any) -> Any:
             del state
-            managed.shut_down()
-            return done
+            return outcome(managed.shut_down)
 
         def on_error(self, state: Any) -> Any:
             del state
-            managed.clean_up()
-            return done
+            return outcome(managed.clean_up)
 
     node.add_managed_entity(Entity())
 
 
 def start_by_itself(node: Any) -> None:
-    """Lead a node to its active state, where nobody else does."""
-    node.trigger_configure()
-    node.trigger_activate()
+    """Lead a node to its active state where nobody else does; if it fails, it stays behind."""
+    success = import_ros("rclpy.lifecycle").TransitionCallbackReturn.SUCCESS
+    if node.trigger_configure() == success:
+        node.trigger_activate()

@@ -118,8 +118,9 @@ class SearchNode:
         self._closing = threading.Event()
         self._failed: list[str] = []
         self.on_message: Callable[[str, Any], None] | None = None
+        self._topics = robot_topics(robot, WAITING, labels=LABELS in reader.kinds)
         self._offer()
-        let_manage(self.node, self)
+        let_manage(self.node, self, self._failed)
         self._threads = [
             threading.Thread(target=self._guarded, args=(work,), name=name, daemon=True)
             for name, work in (("agent", self.search.run), ("control", self._control))
@@ -200,7 +201,7 @@ class SearchNode:
         }
 
     def _subscribe(self) -> None:
-        camera, labels = self._robot.camera, LABELS in self.senses.reader.kinds
+        camera = self._robot.camera
         images = {
             camera.color_topic: COLOR,
             camera.depth_topic: DEPTH,
@@ -212,7 +213,7 @@ class SearchNode:
             self._robot.pose_topic: self._pose,
             **dict.fromkeys(TRANSFORM_TOPICS, self.senses.reader.take_transforms),
         }
-        for topic, (kind, profile) in robot_topics(self._robot, WAITING, labels=labels).items():
+        for topic, (kind, profile) in self._topics.items():
             take = others.get(topic) or partial(self._image, images[topic])
 
             def came(message: Any, topic: str = topic, take: Callable[[Any], None] = take) -> None:
