@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from toponav.errors import ConfigError
-from toponav.geometry import Pose
+from toponav.geometry import Intrinsics, Pose
 from toponav.mapping.view import OCCUPIED, OccupancyGrid
 from toponav.robot.config import robot_config
 from toponav.robot.footprint import Footprint
@@ -55,8 +55,8 @@ def test_circles_as_wide_as_the_body_cover_it_from_end_to_end(body) -> None:
 
 
 def guard_of(body: Footprint, x: float, y: float) -> ObstacleGuard:
-    """A guard with one mapped obstacle."""
-    guard = ObstacleGuard(GuardConfig(), body, MotionConfig())
+    """A guard with one mapped obstacle; unseen floor does not slow it down."""
+    guard = ObstacleGuard(GuardConfig(creep_speed=99.0), body, MotionConfig())
     cells = np.full((1, 1), OCCUPIED, np.int8)
     guard.consult(OccupancyGrid(cells, (x - 0.05, y - 0.05), 0.1))
     return guard
@@ -70,16 +70,27 @@ def test_a_long_body_does_not_turn_its_ends_into_what_is_beside_it() -> None:
     # The same to the right of the rear end.
     behind = guard_of(DOG, -0.2, -0.165)
     assert behind.turn_limit(here, 0.8) == pytest.approx(beside.turn_limit(here, 0.8))
-    assert guard_of(DOG, 0.0, 0.36).turn_limit(here, 0.8) == math.inf
+    assert guard_of(DOG, 0.0, 0.36).turn_limit(here, 0.8) > 10.0
 
 
 def test_a_round_body_turns_freely() -> None:
     assert guard_of(Footprint(), 0.1, 0.16).turn_limit(Pose.identity(), 0.8) == math.inf
 
 
+def test_over_floor_that_was_not_seen_the_ends_of_a_long_body_creep() -> None:
+    config, here = GuardConfig(), Pose.identity()
+    guard = ObstacleGuard(config, DOG, MotionConfig())
+    assert guard.turn_limit(here, 0.8) * DOG.turning_radius_m == pytest.approx(config.creep_speed)
+    camera = Intrinsics.from_hfov(8, 6, 69.0)
+    for step in range(8):  # once it has turned, it knows what it stands on
+        turned = Pose.from_yaw(0.1 * step, (0.0, 0.0, 0.0))
+        guard.see(np.zeros((6, 8), np.float32), camera, turned, turned, 0.0)
+    assert guard.turn_limit(turned, -0.8) == math.inf
+    assert guard.turn_limit(turned, 0.8) * DOG.turning_radius_m < 0.11
+
+
 def test_a_narrow_body_passes_where_a_wide_one_would_touch() -> None:
     wide = Footprint(length_m=0.70, width_m=0.70)
-    assert guard_of(DOG, 0.8, 0.25).limit(Pose.identity()) == GuardConfig().creep_speed
     assert guard_of(DOG, 0.8, 0.25).free_ahead(Pose.identity()) == GuardConfig().reach_m
     assert guard_of(wide, 0.8, 0.25).free_ahead(Pose.identity()) < 0.8
 

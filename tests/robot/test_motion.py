@@ -94,7 +94,7 @@ class Robot:
         if fed:
             self.watchdog.depth_came(now_s)
             self.watchdog.pose_came(now_s)
-            self.guard.see(FLOOR, CAMERA, pose @ PLACED, pose.translation, now_s)
+            self.guard.see(FLOOR, CAMERA, pose @ PLACED, pose, now_s)
         twist = self.pilot.tick(pose, pose, now_s)
         self.body.move(twist, 0.05)
         return twist

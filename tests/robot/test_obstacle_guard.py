@@ -29,7 +29,7 @@ def facing_wall(distance: float) -> tuple[ObstacleGuard, Pose]:
     pose = Pose.from_yaw(0.7, (3.0, -2.0, 0.0))
     camera = pose @ Pose.from_rotation(np.eye(3), (0.0, 0.0, 0.5)) @ BODY_FROM_OPTICAL
     depth = np.full((120, 160), distance, np.float32)
-    guard.see(depth, CAMERA, camera, pose.translation, 0.0)
+    guard.see(depth, CAMERA, camera, pose, 0.0)
     return guard, pose
 
 
@@ -54,10 +54,10 @@ def test_what_the_camera_no_longer_sees_is_remembered_for_a_while_and_then_forgo
     guard, pose = facing_wall(0.5)
     nothing = np.zeros((120, 160), np.float32)
     camera = pose @ BODY_FROM_OPTICAL
-    guard.see(nothing, CAMERA, camera, pose.translation, CONFIG.memory_s - 0.1)
+    guard.see(nothing, CAMERA, camera, pose, CONFIG.memory_s - 0.1)
     assert guard.limit(pose) < 10.0
     assert guard.limit(pose, turn_rate=0.1) < 10.0
-    guard.see(nothing, CAMERA, camera, pose.translation, CONFIG.memory_s + 0.1)
+    guard.see(nothing, CAMERA, camera, pose, CONFIG.memory_s + 0.1)
     assert guard.limit(pose) > 10.0
 
 
@@ -65,7 +65,7 @@ def test_what_has_gone_is_seen_to_be_gone() -> None:
     guard, pose = facing_wall(0.9)
     assert guard.limit(pose) < 10.0
     camera = pose @ Pose.from_rotation(np.eye(3), (0.0, 0.0, 0.5)) @ BODY_FROM_OPTICAL
-    guard.see(np.full((120, 160), 3.0, np.float32), CAMERA, camera, pose.translation, 1.0)
+    guard.see(np.full((120, 160), 3.0, np.float32), CAMERA, camera, pose, 1.0)
     assert guard.limit(pose) > 10.0
 
 
@@ -83,7 +83,7 @@ def test_the_floor_and_what_hangs_overhead_are_no_obstacles() -> None:
     with np.errstate(divide="ignore"):
         floor = np.where(rows > 5, 0.5 * CAMERA.fy / rows, 0.0)
     depth = np.broadcast_to(floor, (120, 160)).astype(np.float32)
-    guard.see(depth, CAMERA, camera, np.zeros(3), 0.0)
+    guard.see(depth, CAMERA, camera, Pose.identity(), 0.0)
     assert guard.limit(Pose.identity()) > 10.0
 
 
@@ -94,7 +94,7 @@ def test_where_the_floor_was_not_seen_the_robot_creeps() -> None:
     with np.errstate(divide="ignore"):
         floor = np.where(rows > 5, 0.5 * CAMERA.fy / rows, 0.0)
     depth = np.broadcast_to(floor, (120, 160)).astype(np.float32)
-    guard.see(depth, CAMERA, camera, np.zeros(3), 0.0)
+    guard.see(depth, CAMERA, camera, Pose.identity(), 0.0)
     blind = Pose.identity()
     assert guard.limit(blind) == GuardConfig().creep_speed
     assert guard.limit(Pose.from_yaw(0.0, (1.0, 0.0, 0.0))) == math.inf

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
-from toponav.cli.options import JsonFlag
+from toponav.cli.options import JsonFlag, OffFlag
 
 if TYPE_CHECKING:
     import numpy as np
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from toponav.knowledge import Knowledge
     from toponav.robot.ros2_node import SearchNode
     from toponav.viz.topdown import TopDownPicture
-
-OffFlag = Annotated[bool, tyro.conf.FlagCreatePairsOff]
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,15 @@ SEEN_THROUGH_M = 0.15
 AHEAD_S = 0.4
 """A turning robot looks where it will be heading in so long, seconds."""
 
+SWEPT_RAD = (0.1, 0.25, 0.4)
+"""Turns ahead over which the floor below the ends must have been seen: 14 cm for a dog's."""
+
+LEAST_SEEN = 0.5
+"""Share of the floor ahead that must have been seen; squares at its rim are often not."""
+
+LEAST_SWEPT = 0.8
+"""The same for the floor that either end comes over: an end is narrow."""
+
 POINTS_A_BIN = 2
 """Fewer points in a square are noise at an edge."""
 
@@ -73,18 +82,22 @@ class ObstacleGuard:
         """(N, 4) x, y, z of a point in each square, metres, and when it was last seen."""
         self._mapped = np.zeros((0, 2))
         self._floor = SeenFloor()
-        half = footprint.half_width_m
-        side = np.arange(-half, half + 1e-9, 0.05)
-        square = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
-        self._below = square[np.hypot(*square.T) <= half]
-        """(N, 2) what the body stands on whatever its heading, metres from the base."""
+        half, grid = footprint.half_width_m, np.arange(-1.0, 1.0, 0.25)
+        disc = half * np.stack(np.meshgrid(grid, grid, [0.0]), axis=-1).reshape(-1, 3)
+        disc = disc[np.hypot(*disc[:, :2].T) <= half]
+        along = np.zeros((len(footprint.circles()), 1, 3))
+        along[:, 0, 0] = footprint.circles()
+        self._below = (along + disc).reshape(-1, 3)
+        """(N, 3) what the body stands on, base frame, metres."""
+        self._swept = {sign: _swept(footprint, sign) for sign in (-1.0, 1.0)}
+        """(2, M, 3) what either end comes over next, turning either way, base frame, metres."""
 
     def see(
         self,
         depth: NDArray[np.float32],
         camera: Intrinsics,
         world_from_camera: Pose,
-        foot: NDArray[np.float64],
+        world_from_base: Pose,
         now_s: float,
     ) -> None:
         """Take a depth image.
@@ -93,7 +106,7 @@ class ObstacleGuard:
             depth: (H, W) metres, 0 where there is no return.
             camera: Its intrinsics.
             world_from_camera: Its pose.
-            foot: (3,) where the robot stood.
+            world_from_base: Where the robot stood, which shows that nothing else stands there.
             now_s: When it was taken, by a steady clock.
         """
         config, stride = self._config, max(1, camera.width // SAMPLED_COLUMNS)
@@ -102,10 +115,12 @@ class ObstacleGuard:
         x = (u * stride - camera.cx) / camera.fx * z
         y = (v * stride - camera.cy) / camera.fy * z
         points = world_from_camera.apply(np.stack([x, y, z], axis=-1))
+        foot = world_from_base.translation
         height = points[:, 2] - foot[2]
         away = np.hypot(*(points[:, :2] - foot[:2]).T)
         floor = (np.abs(height) <= config.low_m) & (away <= config.floor_reach_m)
-        self._floor.add(np.vstack([points[floor, :2], foot[:2] + self._below]))
+        below = world_from_base.apply(self._below)
+        self._floor.add(np.vstack([points[floor, :2], below[:, :2]]))
         near = away <= config.reach_m
         points = points[near & (height > config.low_m) & (height < config.high_m)]
         squares, first, counts = np.unique(
@@ -155,13 +170,19 @@ class ObstacleGuard:
             pose: Where it is.
             turn_rate: The rate that is wanted, whose sign is the way.
         """
+        if self._footprint.end_m == 0.0:
+            return math.inf
+        ends = self._swept[math.copysign(1.0, turn_rate)]
+        seen = min(self._floor.share(pose.apply(end)[:, :2]) for end in ends)
+        creep = self._config.creep_speed / self._footprint.turning_radius_m
+        fastest = math.inf if seen > LEAST_SWEPT else creep
         margin_m = self._config.side_margin_m
         # A mapped obstacle's surface is on average half a cell inside its cell.
         free = min(
             self._free_turn(pose, turn_rate, points, margin)
             for points, margin in ((self._seen[:, :2], margin_m), (self._mapped, margin_m - BIN_M))
         )
-        return self._stoppable(free, self._motion.turn_acceleration)
+        return min(fastest, self._stoppable(free, self._motion.turn_acceleration))
 
     def _free_turn(
         self, pose: Pose, turn_rate: float, points: NDArray[np.float64], margin_m: float
@@ -195,7 +216,7 @@ class ObstacleGuard:
         forward = body.turning_radius_m + np.array([0.05, 0.15, 0.25])
         left = body.half_width_m * np.array([-0.6, 0.0, 0.6])
         lane = np.stack(np.meshgrid(forward, left, [0.0]), axis=-1).reshape(-1, 3)
-        return self._floor.share(pose.apply(lane)[:, :2]) > 0.5
+        return self._floor.share(pose.apply(lane)[:, :2]) > LEAST_SEEN
 
     def _free_along(self, here: NDArray[np.float64], heading: float) -> float:
         free, body = self._config.reach_m, self._footprint
@@ -224,3 +245,17 @@ class ObstacleGuard:
         gone = inside & (depth[rows, columns] > z + SEEN_THROUGH_M)
         kept: NDArray[np.float64] = seen[~gone]
         return kept
+
+
+def _swept(footprint: Footprint, sign: float) -> NDArray[np.float64]:
+    """(2, M, 3) what either end of a body comes over next as it turns.
+
+    Args:
+        footprint: The body.
+        sign: 1 for a turn counter-clockwise, -1 for the other way.
+    """
+    away = np.linspace(footprint.half_width_m, footprint.turning_radius_m, 4)[1:]
+    off = footprint.half_angle_at(away)[:, None] + np.array(SWEPT_RAD)
+    x, y = away[:, None] * np.cos(sign * off), away[:, None] * np.sin(sign * off)
+    front = np.stack([x, y, np.zeros_like(x)], axis=-1).reshape(-1, 3)
+    return np.stack([front, -front])

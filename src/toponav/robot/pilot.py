@@ -101,32 +101,33 @@ class Pilot:
                 wanted = self._motion.wanted(pose)
             if wanted is None:
                 return self._end(Outcome.DONE)
-            safe = self._safe(wanted, pose, slam_from_base)
+            limits = self._limits(wanted, pose, slam_from_base)
             if self._stillness.seconds(pose, now_s) > self._config.stall_s:
                 if wanted.speed != 0.0 or self._retreated:
                     return self._end(Outcome.BLOCKED)
                 self._after, self._motion = self._motion, RetreatMotion(pose)
                 self._retreated = True
                 self._stillness.restart()
-                safe = STILL
-            twist = within_limits(safe, self._last, elapsed_s, self._config)
+                wanted = STILL
+            allowed = _no_faster(wanted, limits)
+            twist = within_limits(allowed, self._last, elapsed_s, self._config)
             # Braking for an obstacle is not gentle.
-            self._last = _no_faster(twist, safe) if self.objection else twist
+            self._last = _no_faster(twist, limits)
             return self._last
 
-    def _safe(self, wanted: Twist, pose: Pose, slam_from_base: Pose) -> Twist:
-        """What of a velocity the surroundings allow; says why where that is next to nothing."""
-        if wanted.speed < 0.0:
+    def _limits(self, wanted: Twist, pose: Pose, slam_from_base: Pose) -> Twist:
+        """How fast the surroundings let it go on; says why where that is next to nothing."""
+        if (wanted.speed or self._last.speed) < 0.0:
             pose, slam_from_base = pose @ ABOUT, slam_from_base @ ABOUT
-        speed = min(abs(wanted.speed), self._guard.limit(pose, wanted.turn_rate))
-        rate = min(abs(wanted.turn_rate), self._guard.turn_limit(pose, wanted.turn_rate))
-        if self._watchdog.enters_keep_out(slam_from_base, speed):
+        speed = self._guard.limit(pose, wanted.turn_rate)
+        rate = self._guard.turn_limit(pose, wanted.turn_rate or self._last.turn_rate)
+        if self._watchdog.enters_keep_out(slam_from_base, min(abs(wanted.speed), speed)):
             self.objection, speed = "a keep-out area is ahead", 0.0
         elif speed < abs(wanted.speed) and speed < SLOWEST:
             self.objection, speed = "an obstacle is ahead", 0.0
         if rate < abs(wanted.turn_rate) and rate < SLOWEST_TURN:
             self.objection, rate = "an obstacle is beside the robot", 0.0
-        return Twist(math.copysign(speed, wanted.speed), math.copysign(rate, wanted.turn_rate))
+        return Twist(speed, rate)
 
     def _end(self, outcome: Outcome) -> Twist:
         self._motion, self._after, self._last = None, None, STILL
@@ -134,8 +135,7 @@ class Pilot:
         return STILL
 
 
-def _no_faster(twist: Twist, safe: Twist) -> Twist:
-    """A velocity cut down to a safe one, at once."""
-    rate = min(abs(twist.turn_rate), abs(safe.turn_rate))
-    speed = min(abs(twist.speed), abs(safe.speed))
+def _no_faster(twist: Twist, limits: Twist) -> Twist:
+    """A velocity cut down, whichever way it goes."""
+    speed, rate = min(abs(twist.speed), limits.speed), min(abs(twist.turn_rate), limits.turn_rate)
     return Twist(math.copysign(speed, twist.speed), math.copysign(rate, twist.turn_rate))

@@ -125,5 +125,5 @@ class Senses:
         pose = instant.world_from_base
         placed = pose @ mount
         taken_s = now_s - max(0.0, at_s - instant.stamp_s)
-        self.guard.see(depth, camera, placed, pose.translation, taken_s)
+        self.guard.see(depth, camera, placed, pose, taken_s)
         self._unanswered_s = instant.stamp_s
