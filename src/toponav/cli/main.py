@@ -47,6 +47,9 @@ Command = (
 )
 
 OK, FAILED_RUN, BAD_USAGE = 0, 1, 2
+ROS_COMMANDS = ("ros2", "sim-robot", "record")
+"""Commands whose `--ros-args` (remappings, parameters) rclpy reads from the process's arguments."""
+
 INTERRUPTED = 130
 """What shells expect after Ctrl-C: 128 + SIGINT."""
 
@@ -72,6 +75,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def parse(arguments: Sequence[str] | None = None) -> Command:
     """The command that arguments ask for, not yet run; usage errors exit with 2."""
+    arguments = sys.argv[1:] if arguments is None else arguments
+    if "--ros-args" in arguments and arguments[0] in ROS_COMMANDS:
+        arguments = arguments[: arguments.index("--ros-args")]
     return tyro.cli(
         Command,
         prog="toponav",

@@ -21,6 +21,9 @@ JsonFlag = Annotated[bool, tyro.conf.arg(name="json"), tyro.conf.FlagCreatePairs
 
 QuietFlag = Annotated[bool, tyro.conf.FlagCreatePairsOff]
 
+OffFlag = Annotated[bool, tyro.conf.FlagCreatePairsOff]
+"""An option that is off unless it is given."""
+
 
 def answer_cache() -> Path:
     """Where a user's programs keep what can be had again."""
