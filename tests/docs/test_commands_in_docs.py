@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import importlib.util
+import re
 from pathlib import Path
 
 import pytest
 
-from docs_commands import NEEDS, Block, blocks, commands_in_tables, commands_of
+from docs_commands import NEEDS, ROOT, Block, blocks, commands_in_tables, commands_of, pages
 from toponav.cli.main import main, parse
 
 BLOCKS = blocks()
@@ -61,3 +62,17 @@ def test_the_commands_run(block: Block, tmp_path: Path, monkeypatch: pytest.Monk
 def expanded(word: str) -> list[str]:
     """What a shell makes of a word."""
     return sorted(map(str, Path().glob(word))) if "*" in word else [word]
+
+
+def test_examples_that_pages_show_are_there() -> None:
+    marks = [
+        (page.name, line)
+        for page in pages()
+        for line in page.read_text(encoding="utf-8").splitlines()
+        if re.match(r"-+ ?8 ?<", line)
+    ]
+    assert len(marks) >= 3
+    for name, line in marks:
+        included = re.fullmatch(r'--8<-- "(examples/\w+\.py)"', line)
+        assert included is not None, f"{name}: not what includes a file: {line}"
+        assert (ROOT / included[1]).is_file(), line

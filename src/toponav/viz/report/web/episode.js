@@ -60,8 +60,9 @@ export class EpisodeStage {
     const figures = [
       ["SPL", fixed(episode.spl, 2)],
       ["steps", String(episode.steps)],
-      ["path", `${fixed(episode.length, 1)} of ${fixed(episode.shortest, 1, "m")}`],
-      ["left", fixed(episode.distance, 2, "m")],
+      ["path", fixed(episode.length, 1, "m")],
+      ["shortest", fixed(episode.shortest, 1, "m")],
+      ["to the target", fixed(episode.distance, 2, "m")],
       ["decisions", String(episode.decisions)],
       ["collisions", String(episode.collisions)],
     ];

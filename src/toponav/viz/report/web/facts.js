@@ -20,6 +20,11 @@ export function factsOf(decision, strip, map) {
   ];
 }
 
+/** What ended the search, in words. */
+export function endedBy({ ended }) {
+  return ended.replace("step-limit", "step limit");
+}
+
 /** How the search went, from the truth that the agent never saw. */
 export function endingOf(episode) {
   const at = (step) => (step === null ? "never" : `step ${step}`);
@@ -27,7 +32,7 @@ export function endingOf(episode) {
     ["target first in view", at(episode.visible)],
     ["first detected", at(episode.detected)],
     ["first set out for", at(episode.approached)],
-    ["end", `${episode.ended}, step ${episode.steps}`],
+    ["end", `${endedBy(episode)}, step ${episode.steps}`],
   ];
   return card("How it ended", definitions("pairs", stages));
 }
