@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from difflib import get_close_matches
 from typing import Generic, TypeVar
 
@@ -37,12 +37,16 @@ class Registry(Generic[T]):
             InputError: No such name; the message lists those known.
         """
         if name not in self._entries:
-            hint = get_close_matches(name, self._entries, n=1)
-            did_you_mean = f" (did you mean {hint[0]!r}?)" if hint else ""
-            known = ", ".join(self.names())
-            raise InputError(f"unknown {self._kind} {name!r}{did_you_mean}; known: {known}")
+            raise unknown(self._kind, name, self.names())
         return self._entries[name]
 
     def names(self) -> list[str]:
         """All names, sorted."""
         return sorted(self._entries)
+
+
+def unknown(kind: str, name: str, known: Sequence[str]) -> InputError:
+    """What to say of a name that is none of those known, and of the nearest one."""
+    hint = get_close_matches(name, known, n=1)
+    did_you_mean = f" (did you mean {hint[0]!r}?)" if hint else ""
+    return InputError(f"unknown {kind} {name!r}{did_you_mean}; known: {', '.join(known)}")

@@ -13,6 +13,7 @@ from typing import Annotated
 
 import tyro
 
+from toponav import __version__
 from toponav.cli.bench import Bench
 from toponav.cli.demo import Demo
 from toponav.cli.episodes import Episodes
@@ -27,6 +28,7 @@ from toponav.cli.scenes import Scenes
 from toponav.cli.study import Study
 from toponav.cli.table import Table
 from toponav.errors import InputError, TopoNavError
+from toponav.registry import unknown
 
 Command = (
     Annotated[Demo, tyro.conf.subcommand("demo")]
@@ -46,6 +48,11 @@ Command = (
     | Annotated[Bench, tyro.conf.subcommand("bench")]
 )
 
+COMMANDS = (
+    "demo", "run", "eval", "study", "table", "report", "render", "episodes", "reasoner", "map",
+    "scenes", "ros2", "sim-robot", "record", "bench",
+)  # fmt: skip
+
 OK, FAILED_RUN, BAD_USAGE = 0, 1, 2
 INTERRUPTED = 130
 """What shells expect after Ctrl-C: 128 + SIGINT."""
@@ -53,7 +60,15 @@ INTERRUPTED = 130
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns its exit code. Usage errors of the parser exit with 2."""
-    command = parse(arguments)
+    words = sys.argv[1:] if arguments is None else list(arguments)
+    if words == ["--version"]:
+        sys.stdout.write(f"toponav {__version__}\n")
+        return OK
+    if not words:
+        return _report(f"give a command: {', '.join(COMMANDS)}; or --help", BAD_USAGE)
+    if not words[0].startswith("-") and words[0] not in COMMANDS:
+        return _report(unknown("command", words[0], COMMANDS), BAD_USAGE)
+    command = parse(words)
     try:
         command.run()
     except InputError as error:
