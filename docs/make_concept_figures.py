@@ -1,4 +1,4 @@
-"""Draws the figures of docs/concepts.md from a run of our own: map, graph, panorama, affordances."""
+"""Draws the figures of docs/concepts.md from a run: map, graph, panorama, affordances."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ TITLE_PT, POINT = 15, 3.0
 
 
 def draw() -> None:
-    """Run one episode with the paper's preset and keep four figures, most of its second decision."""
+    """Run one episode with the paper's preset and draw its second decision."""
     config = run_config("paper", env=HouseEnvConfig(width=320, height=240))
     runner = SceneRunner(load_scene(SCENE), config)
     spec = runner.episode(0)

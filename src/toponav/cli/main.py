@@ -64,13 +64,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if words == ["--version"]:
         sys.stdout.write(f"toponav {__version__}\n")
         return OK
-    if not words:
-        return _report(f"give a command: {', '.join(COMMANDS)}; or --help", BAD_USAGE)
-    if not words[0].startswith("-") and words[0] not in COMMANDS:
-        return _report(unknown("command", words[0], COMMANDS), BAD_USAGE)
-    command = parse(words)
     try:
-        command.run()
+        parse(words).run()
     except InputError as error:
         return _report(error, BAD_USAGE)
     except TopoNavError as error:
@@ -85,8 +80,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return OK
 
 
-def parse(arguments: Sequence[str] | None = None) -> Command:
-    """The command that arguments ask for, not yet run; usage errors exit with 2."""
+def parse(arguments: Sequence[str]) -> Command:
+    """The command that arguments ask for, not yet run; wrong options exit with 2.
+
+    Raises:
+        InputError: They name no command, or none that there is.
+    """
+    if not arguments:
+        raise InputError(f"give a command: {', '.join(COMMANDS)}; or --help")
+    if not arguments[0].startswith("-") and arguments[0] not in COMMANDS:
+        raise unknown("command", arguments[0], COMMANDS)
     return tyro.cli(
         Command,
         prog="toponav",

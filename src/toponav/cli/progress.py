@@ -63,7 +63,7 @@ class RunDisplay:
 
 
 class EpisodeDisplay:
-    """Tells in a terminal where one episode is: its stage, steps, metres, and the time that is left.
+    """Tells in a terminal where one episode is: its stage, steps, metres, and the time left.
 
     The time is what the steps up to the limit would take: most searches end before.
     """
