@@ -20,6 +20,19 @@ export function factsOf(decision, strip, map) {
   ];
 }
 
+/** The measures of an episode. */
+export function episodeFigures(episode) {
+  return definitions("figures", [
+    ["SPL", fixed(episode.spl, 2)],
+    ["steps", String(episode.steps)],
+    ["path", fixed(episode.length, 1, "m")],
+    ["shortest", fixed(episode.shortest, 1, "m")],
+    ["to the target", fixed(episode.distance, 2, "m")],
+    ["decisions", String(episode.decisions)],
+    ["collisions", String(episode.collisions)],
+  ]);
+}
+
 /** What ended the search, in words. */
 export function endedBy({ ended }) {
   return ended.replace("step-limit", "step limit");

@@ -1,7 +1,7 @@
 // One run's side of an episode: its map and its facts.
 
 import { el, fill } from "./dom.js";
-import { endedBy, endingOf, factsOf } from "./facts.js";
+import { endedBy, endingOf, episodeFigures, factsOf } from "./facts.js";
 import { EpisodeMap } from "./map.js";
 import { decisionAt } from "./moments.js";
 import { counted, fixed } from "./numbers.js";
@@ -26,6 +26,7 @@ export class Pane {
       "div",
       { class: "pane" },
       titled && el("h2", {}, source.run.name, " ", outcomeChip(source.episode)),
+      titled && episodeFigures(source.episode),
       el("div", { class: "look" }, this.map.element, this.caption),
       this.facts,
     );
