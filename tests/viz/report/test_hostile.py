@@ -69,7 +69,7 @@ def poison_config(path: Path) -> None:
 def test_the_text_is_hostile(session: Browser, tmp_path: Path) -> None:
     """On a page that escapes nothing it runs: so the tests below can fail."""
     bare = tmp_path / "bare.html"
-    bare.write_text(f"<title>{HOSTILE}</title><script>const name = '{HOSTILE}'</script>")
+    bare.write_text(f"<p>{HOSTILE}</p>")
     session.open(bare)
     session.until("return window.hacked === 1")
     session.complaints()
