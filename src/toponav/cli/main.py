@@ -9,11 +9,11 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
+from importlib.metadata import version
 from typing import Annotated
 
 import tyro
 
-from toponav import __version__
 from toponav.cli.bench import Bench
 from toponav.cli.demo import Demo
 from toponav.cli.episodes import Episodes
@@ -62,7 +62,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns its exit code. Usage errors of the parser exit with 2."""
     words = sys.argv[1:] if arguments is None else list(arguments)
     if words == ["--version"]:
-        sys.stdout.write(f"toponav {__version__}\n")
+        sys.stdout.write(f"toponav {version('toponav')}\n")
         return OK
     try:
         parse(words).run()
