@@ -86,3 +86,10 @@ def test_examples_that_pages_show_are_there() -> None:
         included = re.fullmatch(r'--8<-- "(examples/\w+\.py)"', line)
         assert included is not None, f"{name}: not what includes a file: {line}"
         assert (ROOT / included[1]).is_file(), line
+
+
+def test_the_links_of_the_readme_lead_somewhere() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    links = [link for link in re.findall(r"\]\(([^)#]+)", text) if "://" not in link]
+    assert len(links) > 20
+    assert [link for link in links if not (ROOT / link).exists()] == []
