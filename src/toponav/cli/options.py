@@ -36,7 +36,8 @@ class AgentOptions:
     """Which agent searches, and how."""
 
     method: str = "toponav"
-    """toponav or a baseline; an unknown name lists them all."""
+    """toponav or a baseline; an unknown name lists them all. FILE.py:NAME is what a file of yours
+    registers, also for the detector and the reasoner."""
 
     preset: Literal["default", "paper"] = "default"
     """Parameter set: the paper's, or the best we can do."""
