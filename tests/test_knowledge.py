@@ -97,7 +97,7 @@ def test_a_method_that_forgets_says_so() -> None:
 def test_a_revisit_is_the_same_every_time_and_told_apart_by_its_configuration() -> None:
     results = []
     for _ in range(2):
-        runner = small_runner(preset="default", overrides={"revisit": "true"})
+        runner = small_runner(preset="default", overrides={"revisit": "2"})
         results.append(runner.run(runner.episode(TV)))
     assert results[0].steps == results[1].steps
     assert results[0].path_length == results[1].path_length

@@ -66,8 +66,10 @@ _PRESETS: dict[str, dict[str, Any]] = {
     "default": {
         "decide_on_sight": True,
         "map": {"stairwells": True, "clearing": {}},
-        "goal": {"evidence": {}, "glimpses": {}},
-        "locomotion": {"planner": {"landing_m": 0.8}},
+        "goal": {"evidence": {}, "glimpses": {}, "stop_distance_m": 0.92},
+        "locomotion": {
+            "planner": {"clearance_weight": 1.0, "landing_m": 0.8, "preferred_clearance_m": 0.35}
+        },
         "search": {},
     },
 }

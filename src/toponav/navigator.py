@@ -145,6 +145,8 @@ class Navigator:
         self._goal.forget(update.gone)
         self._odometry.add(observation)
         self._locomotion.observe(observation)
+        if self._search is not None:
+            self._search.observe(observation.world_from_base)
         view = self._map.view()
         if self._panorama.collecting:
             if self._panorama.add(observation, detections, update):

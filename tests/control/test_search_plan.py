@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
 
 from drawn_map import clusters_from, drawn_map, reach_from
+from toponav.control.looks import Looks
 from toponav.control.planner import Planner, PlannerConfig
 from toponav.control.search_plan import (
     Belief,
@@ -16,6 +18,7 @@ from toponav.control.search_plan import (
     landing,
     ranked_frontiers,
 )
+from toponav.geometry import Pose
 from toponav.mapping.view import MapView, PointCloud
 from toponav.policy.glimpses import Glimpse
 
@@ -64,6 +67,13 @@ def test_the_place_that_the_reasoner_names_counts_more() -> None:
     right = HALL.frontiers[HALL.frontiers[:, 0] > 6.0][:, :2]
     assert chosen_x(HALL, 3.4) < 1.0
     assert chosen_x(HALL, 3.4, Belief({}, right)) > 6.0
+
+
+def test_what_was_looked_at_from_nearby_and_stayed_promises_less() -> None:
+    looks = Looks()
+    looks.add(Pose.from_yaw(math.pi, (1.0, 1.5, 0.0)))
+    assert chosen_x(HALL, 2.6) < 1.0
+    assert chosen_x(HALL, 2.6, replace(NOTHING, looks=looks)) > 6.0
 
 
 def with_stairs(below_x: float) -> MapView:

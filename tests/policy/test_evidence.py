@@ -14,6 +14,7 @@ from toponav.policy.evidence import EvidenceConfig, Look, TargetEvidence
 
 CONFIG = EvidenceConfig()
 BALL = Ball(0.0, 0.0)
+ORIGIN = np.zeros(2)
 EAST, NORTH_EAST, NORTH, WEST = (1.8, 0.0), (1.3, 1.3), (0.0, 1.8), (-1.8, 0.0)
 
 
@@ -37,7 +38,7 @@ def test_what_was_never_detected_is_no_candidate() -> None:
 
 def test_a_first_sighting_is_a_lead_and_no_more() -> None:
     evidence = watched((EAST, "sofa", 0.62))
-    assert evidence.leads() == list(evidence.candidates)
+    assert evidence.leads(ORIGIN) == list(evidence.candidates)
     assert CONFIG.lead < odds(evidence) < CONFIG.accept
 
 
@@ -67,7 +68,7 @@ def test_being_missed_and_being_called_something_else_speak_against() -> None:
     missed = odds(watched(*seen, *[(NORTH_EAST, None, 0.0)] * 3))
     other = odds(watched(*seen, *[(NORTH_EAST, "chair", 0.9)] * 3))
     assert other < missed < plain
-    assert not watched(*seen, *[(NORTH_EAST, "chair", 0.9)] * 9).leads()
+    assert not watched(*seen, *[(NORTH_EAST, "chair", 0.9)] * 9).leads(ORIGIN)
 
 
 def test_what_is_hidden_is_not_missed() -> None:
@@ -110,7 +111,16 @@ def test_two_things_are_two_candidates_and_the_likelier_leads() -> None:
     for _ in range(3):
         observation, [left, right] = frame(balls, 2.6, 0.0)
         evidence.observe(observation, said(("sofa", 0.5, left), ("sofa", 0.7, right)))
-    assert [round(float(c.center[1])) for c in evidence.leads()] == [1, -1]
+    assert [round(float(c.center[1])) for c in evidence.leads(ORIGIN)] == [1, -1]
+
+
+def test_of_two_that_are_as_likely_the_nearer_leads() -> None:
+    balls = [Ball(0.0, -1.0), Ball(0.0, 1.0)]
+    evidence = TargetEvidence(CONFIG, "sofa")
+    observation, masks = frame(balls, 2.6, 0.0)
+    evidence.observe(observation, said(*(("sofa", 0.7, mask) for mask in masks)))
+    for y in (-1, 1):
+        assert round(float(evidence.leads(np.array([0.0, 3.0 * y]))[0].center[1])) == y
 
 
 def test_verdicts_hold_until_much_speaks_against_them() -> None:
@@ -121,12 +131,12 @@ def test_verdicts_hold_until_much_speaks_against_them() -> None:
     evidence = watched(*[(EAST, "sofa", 0.5)] * 3)
     [candidate] = evidence.candidates
     evidence.reject(candidate)
-    assert evidence.leads() == []
+    assert evidence.leads(ORIGIN) == []
     for eye in (NORTH, WEST):
         for _ in range(5):
             observation, [mask] = frame([BALL], *eye)
             evidence.observe(observation, said(("sofa", 0.75, mask)))
-    assert evidence.leads() == [candidate]
+    assert evidence.leads(ORIGIN) == [candidate]
 
 
 @given(st.floats(-math.pi, math.pi), st.floats(0.5, 5.0))

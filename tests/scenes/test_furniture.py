@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from toponav.categories import CONTEXT_CATEGORIES, HM3D_TARGETS, MP3D_TARGETS
@@ -84,6 +84,8 @@ def test_pieces_of_usual_size_are_valid_meshes(category):
     size=st.tuples(LENGTHS, LENGTHS, LENGTHS),
     variant=st.integers(-10, 2**32),
 )
+@example(category="shower", size=(1.0, 1.0, 1.02), variant=0)  # its head at its foot
+@example(category="bathtub", size=(1.0, 1.0, 0.57), variant=0)
 def test_any_size_is_filled_exactly(category, size, variant):
     piece = build_furniture(category, size, variant)
     assert np.isfinite(piece.vertices).all()

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from toponav.control.drops import ON_FLIGHT_M, DropEdge, DropEdges
 from toponav.control.frontier_clusters import FrontierCluster, frontier_clusters
 from toponav.control.locomotion import Locomotion, LocomotionConfig
+from toponav.control.looks import Looks
 from toponav.control.planner import CostField, Planner
 from toponav.control.search_plan import (
     Belief,
@@ -20,6 +21,7 @@ from toponav.control.search_plan import (
     landing,
     ranked_frontiers,
 )
+from toponav.geometry import Pose
 from toponav.mapping.view import MapView
 from toponav.policy.decision import WeighedFrontier
 from toponav.policy.glimpses import Glimpse
@@ -75,6 +77,7 @@ class PlannedSearch:
         self._waypoint: NDArray[np.float64] | None = None
         self._weighed: tuple[WeighedFrontier, ...] = ()
         self._drops = DropEdges()
+        self._looks = Looks()
         self._left_floor: int | None = None
         self._landing = False
         self._turns = 0
@@ -135,7 +138,7 @@ class PlannedSearch:
         if not frontiers and not stairs:
             return None
         seen = {name: a for name, a in self._affinities().items() if name in view.objects}
-        belief = Belief(seen, hints.guided, hints.glimpses, hints.elsewhere)
+        belief = Belief(seen, hints.guided, hints.glimpses, hints.elsewhere, self._looks)
         choices = (frontiers, stairs)
         self._weighed = ranked_frontiers(choices, belief, view, reach, self._planner, self._config)
         self._waypoint = self._weighed[0].waypoint
@@ -169,6 +172,10 @@ class PlannedSearch:
         if self._waypoint is None or self._drops.approached or self._landing:
             return False
         return not bool((_distance(view, self._waypoint) <= self._config.vanished_m).any())
+
+    def observe(self, world_from_base: Pose) -> None:
+        """Note where the camera looks; call once a step."""
+        self._looks.add(world_from_base)
 
     def look(self, observation: Observation, view: MapView, walker: Locomotion) -> Action | None:
         """On arrival, the turn towards what is left of the frontier; None when that is seen."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Annotated
 
 import numpy as np
@@ -14,6 +14,7 @@ from pydantic import Field
 from toponav.config_model import ConfigModel
 from toponav.control.expected_arrival import MAX_PLACES, soonest_order
 from toponav.control.frontier_clusters import FrontierCluster
+from toponav.control.looks import Looks
 from toponav.control.planner import CostField, Planner
 from toponav.geometry.neighbourhoods import Neighbourhoods
 from toponav.mapping.unknown_area import unknown_area_m2
@@ -33,6 +34,9 @@ STOREY_M = (-0.3, 2.5)
 
 GLIMPSED = "the target"
 """Speaks for a frontier that leads to where the target was seen."""
+
+FAR_LOOK = 3.0
+"""A look from more than so many times `looked_m` takes nothing from what a frontier promises."""
 
 UNREACHABLE_M = 1e4
 """Stands for a way that the map does not know yet."""
@@ -78,6 +82,10 @@ class SearchPlanConfig(ConfigModel):
     vanished_m: Positive = 0.5
     """A frontier is gone when no frontier cell is left this near to its waypoint."""
 
+    looked_m: Positive = 1.5
+    """A frontier that was in view from this near, and is still there, promises half of one that was
+    seen from afar: what can be seen of it has been."""
+
     rest_m: Positive = 1.0
     """On arrival, frontier cells this near are looked at first."""
 
@@ -91,12 +99,14 @@ class Belief:
         guided: (M, 2) frontier cells about the place that the reasoner names.
         glimpses: Where it was seen, too far off to be mapped.
         elsewhere: Whether it was seen on another storey.
+        looks: Where the camera has looked.
     """
 
     affinity: Mapping[str, float]
     guided: NDArray[np.float64]
     glimpses: tuple[Glimpse, ...] = ()
     elsewhere: bool = False
+    looks: Looks = field(default_factory=Looks)
 
 
 def ranked_frontiers(
@@ -215,6 +225,8 @@ def _weigh(
         nearness = 1.0 / (1.0 + (distance / config.seen_half_m) ** 2)
         if belief.affinity[category] * nearness > likelihood:
             likelihood, speaks = belief.affinity[category] * nearness, category
+    looked_m = belief.looks.nearest_m(cluster.middle, view, FAR_LOOK * config.looked_m)
+    unseen *= 1.0 - math.exp2(-((looked_m / config.looked_m) ** 2))
     guided = bool(is_guided[tuple(cells.T)].any())
     weight = config.guided_node if guided else 1.0
     return WeighedFrontier(

@@ -32,9 +32,9 @@ class RunConfig(ConfigModel):
     seed: int = Field(default=0, ge=0)
     """Seed of the run; episodes derive theirs from it."""
 
-    revisit: bool = False
-    """Search for another object of the scene first, unscored, and keep what was learnt: a track of
-    its own, never to be mixed with cold starts."""
+    revisit: int = Field(default=0, ge=0)
+    """Search for so many other objects of the scene first, unscored, and keep what was learnt: a
+    track of its own, never to be mixed with cold starts."""
 
     perception: PerceptionConfig = Field(default_factory=PerceptionConfig)
     """Every parameter of the detectors."""

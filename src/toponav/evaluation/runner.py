@@ -138,12 +138,12 @@ class SceneRunner:
         return self.scored(spec, rollout)
 
     def _visited(self, spec: EpisodeSpec) -> Recollection:
-        """What a search for another object from the same start teaches."""
+        """What searches for other objects from the same start teach."""
         known = Recollection()
         others = [name for name in self.env.oracle.categories() if name != spec.episode.target]
-        if others:
-            first = others[spec.seed % len(others)]
-            visit = replace(spec, episode=replace(spec.episode, target=first))
+        turn = spec.seed % max(1, len(others))
+        for target in (others[turn:] + others[:turn])[: self.config.revisit]:
+            visit = replace(spec, episode=replace(spec.episode, target=target))
             self._search(visit, (), (), ModelAccess(), known)
         return known
 

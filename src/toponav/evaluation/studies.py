@@ -115,8 +115,8 @@ STUDIES: dict[str, Study] = {
         ),
     ),
     "revisit": Study(
-        "A second goal in a building that the first has made known",
-        (FULL, Variant("revisit", {"revisit": "true"})),
+        "A goal in a building that searches for one, two and four others have made known",
+        (FULL, *(Variant(f"after-{k}", {"revisit": str(k)}) for k in (1, 2, 4))),
     ),
     "default-parts": Study(
         "The preset default without each of its parts (give --preset default)",

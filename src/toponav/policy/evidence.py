@@ -168,6 +168,10 @@ class Candidate:
         middle: NDArray[np.float64] = self.points.mean(axis=0)
         return middle
 
+    def distance_from(self, here: NDArray[np.float64]) -> float:
+        """From (2 or 3,) here to the nearest of its points, horizontally, metres."""
+        return float(np.hypot(*(self.points[:, :2] - here[:2]).T).min())
+
     def log_odds(self, config: EvidenceConfig) -> float:
         """All that speaks for and against it."""
         said = sum(look.log_odds(config) for look in self.looks.values())
@@ -237,11 +241,15 @@ class TargetEvidence:
         """All of them, the rejected ones too, in order of appearance."""
         return tuple(self._candidates)
 
-    def leads(self) -> list[Candidate]:
-        """Those worth going to, the likeliest first."""
+    def leads(self, here: NDArray[np.float64]) -> list[Candidate]:
+        """Those worth going to from (2 or 3,) here; first what is likeliest for its distance."""
         config = self._config
         rated = [(c.log_odds(config), c) for c in self._candidates]
-        worth = [(odds, c) for odds, c in rated if odds >= config.lead]
+        worth = [
+            (_chance(odds) / (c.distance_from(here) + config.near_m), c)
+            for odds, c in rated
+            if odds >= config.lead
+        ]
         return [c for _, c in sorted(worth, key=lambda pair: -pair[0])]
 
     def expect(self, points: NDArray[np.floating]) -> None:
@@ -407,6 +415,11 @@ def view_of(candidate: Candidate, config: EvidenceConfig, *, chosen: bool) -> Ca
             for (side, near), look in sorted(candidate.looks.items())
         ),
     )
+
+
+def _chance(log_odds: float) -> float:
+    """The probability that log-odds stand for."""
+    return 1.0 / (1.0 + math.exp(-log_odds))
 
 
 def _fresh(points: NDArray[np.float64]) -> Candidate:

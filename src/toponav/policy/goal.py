@@ -90,9 +90,11 @@ class GoalTracker:
         self._evidence: TargetEvidence | None = None
         self._chosen: Candidate | None = None
         self._glimpses: Glimpses | None = None
+        self._foot = np.zeros(3)
 
     def observe(self, observation: Observation, detections: Detections, target: str) -> None:
         """Take the evidence of one frame."""
+        self._foot = observation.world_from_base.translation
         if self.config.glimpses is not None:
             if self._glimpses is None:
                 self._glimpses = Glimpses(self.config.glimpses, target)
@@ -117,7 +119,7 @@ class GoalTracker:
         """Whether what may be the target has been seen, on another storey."""
         if self.config.evidence is None or self._evidence is None:
             return False
-        leads, config = self._evidence.leads(), self.config.evidence
+        leads, config = self._evidence.leads(self._foot), self.config.evidence
         return bool(leads) and not any(len(self._on_storey(c, config, view)) for c in leads)
 
     @property
@@ -276,7 +278,7 @@ class GoalTracker:
 
     def _candidate_points(self, config: EvidenceConfig, view: MapView) -> NDArray[np.float32]:
         """Those of the candidate that is gone to: it stays the same while it is a lead."""
-        leads = [] if self._evidence is None else self._evidence.leads()
+        leads = [] if self._evidence is None else self._evidence.leads(self._foot)
         here = [lead for lead in leads if len(self._on_storey(lead, config, view))]
         sure = [lead for lead in here if lead.log_odds(config) >= config.accept]
         if self._chosen not in here or (sure and self._chosen not in sure):

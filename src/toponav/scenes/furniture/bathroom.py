@@ -174,7 +174,7 @@ def shower(size: Size, style: Style) -> list[Part]:
         box((-x, -y, 0.0), (x, y, 0.08), CERAMIC),
         cylinder((0.0, 0.0, 0.08), 0.05, 0.004, CHROME, 8),
         box((-x, y - 0.02, 0.08), (x, y, sz), wall),
-        tube((0.0, y - 0.05, 0.9), (0.0, y - 0.05, head), 0.015, CHROME),
+        tube((0.0, y - 0.05, min(0.9, 0.5 * head)), (0.0, y - 0.05, head), 0.015, CHROME),
         tube((0.0, y - 0.05, head), (0.0, 0.2 * y, head), 0.015, CHROME),
         lathe(
             [(0.0, head - 0.05), (0.11, head - 0.05), (0.02, head), (0.0, head)],

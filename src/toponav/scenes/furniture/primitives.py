@@ -176,9 +176,12 @@ def ellipsoid(center: Vector, radii: Vector, surface: Surface, segments: int = 1
 
 
 def tube(start: Vector, end: Vector, radius: float, surface: Surface, segments: int = 6) -> Part:
-    """A straight rod between two points, open at its ends."""
+    """A straight rod between two points, open at its ends; without faces where they coincide."""
     a, b = np.asarray(start, np.float64), np.asarray(end, np.float64)
-    axis = (b - a) / np.linalg.norm(b - a)
+    length = np.linalg.norm(b - a)
+    if length == 0.0:
+        return quads(np.zeros((0, 4, 3)), surface)
+    axis = (b - a) / length
     side = np.cross(axis, np.eye(3)[np.abs(axis).argmin()])
     side /= np.linalg.norm(side)
     angles = np.linspace(0.0, 2.0 * np.pi, segments + 1)[:, None]
