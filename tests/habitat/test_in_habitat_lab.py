@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import pytest
 
 from small_house import small_config, small_scene
 from toponav.envs.backends import EMBEDDED, HABITAT
 from toponav.evaluation.objectnav_export import DatasetPlan, export_dataset
+from toponav.habitat.lab_comparison import compare_with_habitat_lab, mean_scores
 
 pytest.importorskip("habitat_sim", reason="habitat-sim is not installed (docs/habitat.md)")
 habitat = pytest.importorskip("habitat", reason="habitat-lab is not installed (docs/habitat.md)")
-
-from toponav.habitat import ChallengeAgent
-from toponav.habitat.lab_comparison import compare_with_habitat_lab, mean_scores
 
 EPISODES = 2
 
