@@ -52,7 +52,7 @@ class FrontierMap:
             box = _dilated(changed, max(1, self._clearance))
             mark_frontiers(grid.cells, self._mask, self._clearance, box)
         i, j, i_end, j_end = grid.known
-        cells = np.argwhere(self._mask[i:i_end, j:j_end])
+        cells = _marked(self._mask[i:i_end, j:j_end])
         labels = _label(cells, self._min_cells, self._rows[i:i_end, j:j_end])
         kept = labels >= 0
         world = cells[kept] + np.asarray(grid.first) + (i, j)
@@ -110,6 +110,20 @@ def label_clusters(
     """
     labels: NDArray[np.int64] = _label(cells, min_cells, np.zeros(mask.shape, np.int32))
     return labels
+
+
+@njit(cache=True)
+def _marked(mask: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """(N, 2) indices of marked cells in raster order: `argwhere`, several times as fast."""
+    cells, count = np.empty((256, 2), np.int64), 0
+    for i in range(mask.shape[0]):
+        for j in range(mask.shape[1]):
+            if mask[i, j]:
+                if count == len(cells):
+                    cells = np.concatenate((cells, np.empty_like(cells)))
+                cells[count, 0], cells[count, 1] = i, j
+                count += 1
+    return cells[:count]
 
 
 @njit(cache=True)

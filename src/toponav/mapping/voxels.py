@@ -50,7 +50,7 @@ BATCH = 1 << 16
 GROWTH = 1.25
 """Factor by which the storage grows."""
 
-FULLEST = 0.6
+FULLEST = 0.7
 """Share of the hash table's entries in use, at most, so that probes stay short."""
 
 VOXELS, TOUCHED = 0, 1
