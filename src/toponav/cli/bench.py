@@ -132,12 +132,18 @@ def _map_line(figures: dict[str, Any]) -> str:
         if figures["open3d_ms"] is None
         else f"Open3D {figures['open3d_ms']:.1f} ms, {figures['open3d_ratio']:.0f} times as long; "
     )
+    affordances = f"affordances {figures['affordances_ms']:.1f} ms"
+    if figures["pairs_ms"] is not None:
+        affordances += (
+            f" (point-pair distances {figures['pairs_ms']:.1f} ms, {figures['pairs_ratio']:.1f} "
+            "times as long)"
+        )
     same = "the same voxels as" if figures["equal_to_reference"] else "OTHER VOXELS THAN"
     return (
         f"{figures['frames']} frames of {width} x {height} with labels: integrated in "
         f"{figures['integrate_ms']:.2f} ms (median; 95 % within "
         f"{figures['integrate_p95_ms']:.2f}), handed out in {figures['view_ms']:.2f} ms; "
-        f"{usual}{figures['voxels']} voxels, {same} a reference in NumPy; one of "
+        f"{usual}{affordances}; {figures['voxels']} voxels, {same} a reference in NumPy; one of "
         f"{figures['cores']} cores"
     )
 

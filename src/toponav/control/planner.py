@@ -195,10 +195,10 @@ class Planner:
         # An obstacle's surface lies anywhere in its cell, on average half a cell inside; a whole
         # cell of margin would close doors of 0.7 m on a 0.1 m grid.
         fits = free & (distance + half_cell > radius_m)
-        here = _distance_to(grid, agent_xy)
-        fits |= free & (here <= config.escape_radius_m)
+        about, here = _distance_to(grid, agent_xy, max(config.escape_radius_m, config.radius_m))
+        fits[about] |= free[about] & (here <= config.escape_radius_m)
         # Where its body is there is no obstacle, whatever the map says.
-        fits |= here <= config.radius_m
+        fits[about] |= here <= config.radius_m
         shortfall = np.clip(1.0 - distance / config.preferred_clearance_m, 0.0, 1.0)
         tight = np.clip(1.0 - distance / config.radius_m, 0.0, 1.0)
         cost = 1.0 + config.clearance_weight * shortfall**2 + config.tight_weight * tight**2
@@ -307,9 +307,15 @@ def _inside(
     return inside
 
 
-def _distance_to(grid: OccupancyGrid, xy: ArrayLike) -> NDArray[np.float64]:
-    """(N_x, N_y) distance of every cell's centre to a position, metres."""
+def _distance_to(
+    grid: OccupancyGrid, xy: ArrayLike, reach_m: float
+) -> tuple[tuple[slice, slice], NDArray[np.float64]]:
+    """The cells about a position, and the distance of their centres to it, metres."""
     x, y = (np.asarray(xy, dtype=np.float64)[:2] - grid.origin) / grid.resolution
-    rows, columns = np.ogrid[: grid.cells.shape[0], : grid.cells.shape[1]]
-    distance: NDArray[np.float64] = np.hypot(rows + 0.5 - x, columns + 0.5 - y) * grid.resolution
-    return distance
+    reach = reach_m / grid.resolution + 1.0
+    rows, columns = grid.cells.shape
+    i, i_end = np.clip([math.floor(x - reach), math.ceil(x + reach)], 0, rows)
+    j, j_end = np.clip([math.floor(y - reach), math.ceil(y + reach)], 0, columns)
+    about = np.ogrid[i:i_end, j:j_end]
+    distance = np.hypot(about[0] + 0.5 - x, about[1] + 0.5 - y) * grid.resolution
+    return (slice(i, i_end), slice(j, j_end)), distance

@@ -14,7 +14,12 @@ from numpy.typing import NDArray
 from toponav.evaluation.bench_tour import TourFrame
 from toponav.evaluation.open3d_pipeline import Open3dPipeline
 from toponav.mapping.semantic_map import MapConfig, SemanticMap
+from toponav.mapping.view import FrameUpdate, MapView
 from toponav.mapping.voxels import unpack_keys
+from toponav.policy.affordances import AffordanceConfig, exploration
+
+REPETITIONS = 5
+"""Of a decision's affordances."""
 
 WARM_UP_FRAMES = 3
 """Frames of a map that is thrown away: the first ones compile."""
@@ -32,7 +37,9 @@ def bench_map(
 
     Returns:
         `integrate_ms`, the median, and `integrate_p95_ms`; `view_ms` to hand the map out;
-        `open3d_ms` and `open3d_ratio` over `integrate_ms`, None without Open3D; `voxels`, and
+        `open3d_ms` and `open3d_ratio` over `integrate_ms`, None without Open3D; likewise
+        `affordances_ms` of the paper's affordances on the last map, `pairs_ms` of the matrices of
+        distances that are usually made for them, and `pairs_ratio`; `voxels`, and
         whether they are `equal_to_reference`: the voxels of all points, found by NumPy; `frames`,
         `size` and `cores` (of the machine; one is used).
 
@@ -46,13 +53,19 @@ def bench_map(
         warm_up.view()
     semantic_map = SemanticMap(config)
     integrate_s, view_s, open3d_s = [], [], []
+    update: FrameUpdate | None = None
     for frame in frames:
-        integrate_s.append(_seconds(partial(semantic_map.integrate, *frame)))
+        started = time.perf_counter()
+        update = semantic_map.integrate(*frame)
+        integrate_s.append(time.perf_counter() - started)
         view_s.append(_seconds(semantic_map.view))
         if reference is not None:
             open3d_s.append(_seconds(partial(reference.integrate, *frame)))
     integrate_ms = 1e3 * float(np.median(integrate_s))
     open3d_ms = 1e3 * float(np.median(open3d_s)) if open3d_s else None
+    assert update is not None
+    attracting = _attracting(frames, semantic_map.view(), update)
+    affordances_ms, pairs_ms = _affordances_ms(semantic_map.view(), attracting, reference)
     scene = semantic_map.parts().scene
     found = unpack_keys(scene.arrays.keys[: len(scene)])
     return {
@@ -63,10 +76,39 @@ def bench_map(
         "view_ms": 1e3 * float(np.median(view_s)),
         "open3d_ms": open3d_ms,
         "open3d_ratio": None if open3d_ms is None else open3d_ms / integrate_ms,
+        "affordances_ms": affordances_ms,
+        "pairs_ms": pairs_ms,
+        "pairs_ratio": (None if pairs_ms is None else pairs_ms / affordances_ms),
         "voxels": len(found),
         "equal_to_reference": _same_rows(found, _voxels_of(frames, config)),
         "cores": os.cpu_count(),
     }
+
+
+def _attracting(
+    frames: Sequence[TourFrame], view: MapView, update: FrameUpdate
+) -> tuple[NDArray[np.floating], NDArray[np.floating], NDArray[np.floating]]:
+    """S_dir, S_node and S_hist: the last view's floor, all frontiers, where the agent was."""
+    history = np.array([frame.observation.world_from_base.translation for frame in frames])
+    return update.navigable_points, view.frontiers, history
+
+
+def _affordances_ms(
+    view: MapView,
+    attracting: tuple[NDArray[np.floating], NDArray[np.floating], NDArray[np.floating]],
+    reference: Open3dPipeline | None,
+) -> tuple[float, float | None]:
+    """Medians of our affordances, and of the reference's distances; None without it."""
+    direction, node, history = attracting
+    ours, theirs = [], []
+    for _ in range(REPETITIONS):
+        ours.append(
+            _seconds(partial(exploration, view, direction, node, history, AffordanceConfig()))
+        )
+        if reference is not None:
+            targets = (direction, node, view.frontiers, history)
+            theirs.append(_seconds(partial(reference.pair_distances, targets)))
+    return 1e3 * float(np.median(ours)), 1e3 * float(np.median(theirs)) if theirs else None
 
 
 def _seconds(do: Callable[[], object]) -> float:

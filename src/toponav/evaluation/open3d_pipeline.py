@@ -2,15 +2,18 @@
 
 What most systems of the field do with a frame: back-project it, transform it, add it to the merged
 cloud, and downsample the merged cloud by voxel; likewise for every category, and for what is
-navigable and what is in the way. Its cost a frame grows with the map.
+navigable and what is in the way. Its cost a frame grows with the map. At a decision: the matrix of
+distances from every navigable point to every point of each cloud that attracts or repels it.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.distance import cdist
 
 from toponav.errors import MissingExtraError
 from toponav.mapping.semantic_map import MapConfig
@@ -52,6 +55,18 @@ class Open3dPipeline:
         in_the_way = (heights > config.delta) & (heights < config.obstacle_top_m)
         self._merge("navigable", whole.select_by_index(np.flatnonzero(level)))
         self._merge("obstacles", whole.select_by_index(np.flatnonzero(in_the_way)))
+
+    def pair_distances(self, targets: Sequence[NDArray[np.floating]]) -> None:
+        """What affordances are made of: from M_nav to the nearest of (N, 3) targets, and of M_obs.
+
+        By point-pair distance matrices, as is usual; Open3D's own search of the nearest neighbours
+        would be the faster way.
+        """
+        navigable, obstacles = (
+            np.asarray(self._clouds[name].points) for name in ("navigable", "obstacles")
+        )
+        for points in (*targets, obstacles):
+            cdist(navigable, points).min(axis=1)
 
     def _points(self, observation: Observation, depth: NDArray[np.float32]) -> Any:
         """The points of a depth image, in colour, in the world frame."""

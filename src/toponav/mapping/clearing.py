@@ -20,6 +20,8 @@ from pydantic import Field
 from toponav.config_model import ConfigModel
 from toponav.mapping.floors import LAYERS, STAIRS
 from toponav.mapping.frame_sums import Frame
+from toponav.mapping.storage import lengthened
+from toponav.mapping.voxels import GROWTH
 
 TILE_M = 1.0
 """Voxels are looked up by square tiles this wide."""
@@ -154,9 +156,9 @@ class Clearing:
         if before.any() or behind.any():
             first = np.pad(first, tuple(zip(before, behind, strict=True)), constant_values=NONE)
         if slots > len(after):
-            room = max(slots, 2 * len(after)) - len(after)
-            after = np.append(after, np.full(room, NONE, np.int32))
-            self._misses = np.append(self._misses, np.zeros(room, np.uint8))
+            room = max(slots, int(GROWTH * len(after)))
+            after = lengthened(after, room)
+            self._misses = lengthened(self._misses, room)
         self._tiles = _Tiles(corner - before, first, after)
 
 

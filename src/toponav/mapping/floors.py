@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from toponav.mapping.frontiers import FrontierMap
 from toponav.mapping.occupancy import FloorGrid
+from toponav.mapping.storage import lengthened
 from toponav.mapping.voxels import VoxelCloud, columns_of, find_slot
 
 
@@ -184,10 +185,11 @@ class FloorLayers:
 
     def _follow_storage(self) -> None:
         """Keep one code a slot as the scene's storage grows."""
-        missing = len(self._scene.arrays.keys) - len(self._codes)
-        if missing:
-            self._codes = np.append(self._codes, np.full(missing, NO_LAYER, np.int16))
-            self._is_stairs = np.append(self._is_stairs, np.zeros(missing, np.bool_))
+        known, slots = len(self._codes), len(self._scene.arrays.keys)
+        if slots > known:
+            self._codes = lengthened(self._codes, slots)
+            self._codes[known:] = NO_LAYER
+            self._is_stairs = lengthened(self._is_stairs, slots)
 
 
 def _code(floor: Floor, layer: Layer) -> int:

@@ -52,7 +52,7 @@ class FrontierMap:
             box = _dilated(changed, max(1, self._clearance))
             mark_frontiers(grid.cells, self._mask, self._clearance, box)
         i, j, i_end, j_end = grid.known
-        cells = np.argwhere(self._mask[i:i_end, j:j_end])
+        cells = _marked(self._mask[i:i_end, j:j_end])
         labels = _label(cells, self._min_cells, self._rows[i:i_end, j:j_end])
         kept = labels >= 0
         world = cells[kept] + np.asarray(grid.first) + (i, j)
@@ -110,6 +110,12 @@ def label_clusters(
     """
     labels: NDArray[np.int64] = _label(cells, min_cells, np.zeros(mask.shape, np.int32))
     return labels
+
+
+def _marked(mask: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """(N, 2) indices of marked cells in raster order: `argwhere`, several times as fast."""
+    flat = np.flatnonzero(np.ascontiguousarray(mask))
+    return np.stack(np.divmod(flat, max(1, mask.shape[1])), axis=1)
 
 
 @njit(cache=True)

@@ -16,6 +16,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from toponav.errors import ObservationError
+from toponav.mapping.storage import filled, lengthened
 from toponav.mapping.view import PointCloud
 
 Scalar = TypeVar("Scalar", bound=np.generic)
@@ -50,7 +51,7 @@ BATCH = 1 << 16
 GROWTH = 1.25
 """Factor by which the storage grows."""
 
-FULLEST = 0.6
+FULLEST = 0.7
 """Share of the hash table's entries in use, at most, so that probes stay short."""
 
 VOXELS, TOUCHED = 0, 1
@@ -189,16 +190,16 @@ class VoxelCloud:
         needed, capacity = len(self) + voxels, len(arrays.keys)
         if needed > capacity:
             capacity = max(needed, int(GROWTH * capacity))
-            self._records = _lengthened(self._records, capacity)
+            self._records = lengthened(self._records, capacity)
             arrays = arrays._replace(**_views(self._records))
         if needed > FULLEST * len(arrays.table):
             entries = 1 << int(needed / FULLEST).bit_length()
-            arrays = arrays._replace(table=np.full(entries, EMPTY, np.int32))
+            arrays = arrays._replace(table=filled(entries, np.int32(EMPTY)))
             _rehash(arrays.table, arrays.keys, len(self))
         may_be_touched = int(arrays.sizes[TOUCHED]) + voxels
         if may_be_touched > len(arrays.touched):
             room = max(may_be_touched, 2 * len(arrays.touched))
-            arrays = arrays._replace(touched=_lengthened(arrays.touched, room))
+            arrays = arrays._replace(touched=lengthened(arrays.touched, room))
         self._arrays = arrays
 
     def add(self, points: NDArray[np.floating], colors: NDArray[np.uint8] | None = None) -> None:
@@ -319,15 +320,6 @@ def columns_of(keys: NDArray[np.int64]) -> NDArray[np.int64]:
 def _views(records: NDArray[np.void]) -> dict[str, NDArray[Any]]:
     """The arrays of `VoxelArrays` that have an entry a slot."""
     return {name: records[name] for name in RECORD.names or () if name != "unused"}
-
-
-def _lengthened(array: NDArray[Scalar], length: int) -> NDArray[Scalar]:
-    """A copy with room for more; the system gives the room when it is first written to."""
-    longer = np.zeros(length, array.dtype)
-    longer.view(np.uint8)[: array.nbytes] = array.view(
-        np.uint8
-    )  # records are copied field by field
-    return longer
 
 
 @njit(cache=True)

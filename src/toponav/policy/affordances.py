@@ -104,7 +104,8 @@ def normalized_affordance(
     """
     if not len(points) or not len(targets):
         return np.zeros(len(points))
-    distance, _ = cKDTree(targets).query(points)
+    # Of few queries: a tree that is sooner built.
+    distance, _ = cKDTree(targets, compact_nodes=False, balanced_tree=False).query(points)
     nearest, farthest = distance.min(), distance.max()
     normalized: FloatArray = 1.0 - (distance - nearest) / (farthest - nearest + epsilon)
     return normalized
@@ -191,7 +192,6 @@ def _is_safe(
     # ("zeroing out affordances near obstacles"), hence the complement here.
     a_obs = normalized_affordance(points, obstacles, config.epsilon)
     # Infinite where nothing is nearer than that: all that has to be known, and sooner found.
-    clearance, _ = cKDTree(obstacles[:, :2]).query(
-        points[:, :2], distance_upper_bound=config.min_clearance_m
-    )
+    tree = cKDTree(obstacles[:, :2], compact_nodes=False, balanced_tree=False)
+    clearance, _ = tree.query(points[:, :2], distance_upper_bound=config.min_clearance_m)
     return np.asarray((1.0 - a_obs > config.sigma) & (clearance >= config.min_clearance_m))
