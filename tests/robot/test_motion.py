@@ -164,7 +164,9 @@ def test_a_body_that_gets_nowhere_is_blocked() -> None:
 
 def test_a_body_that_cannot_turn_backs_out_and_turns_there() -> None:
     robot = Robot()
-    robot.guard.turn_limit = lambda pose, rate: math.inf if pose.translation[0] < -0.2 else 0.0
+    robot.guard.turn_limit = lambda pose, rate, late_s: (
+        math.inf if pose.translation[0] < -0.2 else 0.0
+    )
     robot.pilot.begin(Turn(math.pi / 2), robot.body.pose)
     slowest = 0.0
     for _ in range(400):
@@ -180,7 +182,7 @@ def test_a_body_that_cannot_turn_backs_out_and_turns_there() -> None:
 
 def test_a_body_that_cannot_turn_there_either_is_blocked() -> None:
     robot = Robot()
-    robot.guard.turn_limit = lambda pose, rate: 0.0
+    robot.guard.turn_limit = lambda *_: 0.0
     robot.pilot.begin(Turn(1.0), robot.body.pose)
     for _ in range(400):
         robot.tick()
@@ -190,7 +192,7 @@ def test_a_body_that_cannot_turn_there_either_is_blocked() -> None:
 
 def test_a_keep_out_area_is_not_backed_into() -> None:
     robot = Robot(keep_out=(((-2.0, -1.0), (-0.1, -1.0), (-0.1, 1.0), (-2.0, 1.0)),))
-    robot.guard.turn_limit = lambda pose, rate: 0.0
+    robot.guard.turn_limit = lambda *_: 0.0
     robot.pilot.begin(Turn(1.0), robot.body.pose)
     for _ in range(400):
         robot.tick()
