@@ -14,7 +14,15 @@ from toponav.robot.config import CameraConfig
 from toponav.robot.footprint import Footprint
 from toponav.robot.frames import FrameReader
 from toponav.robot.intent import Follow, Turn
-from toponav.robot.motion import STILL, MotionConfig, Twist, motion_of, within_limits
+from toponav.robot.motion import (
+    RETREAT_M,
+    RETREAT_SPEED,
+    STILL,
+    MotionConfig,
+    Twist,
+    motion_of,
+    within_limits,
+)
 from toponav.robot.obstacle_guard import GuardConfig, ObstacleGuard
 from toponav.robot.pilot import Outcome, Pilot
 from toponav.robot.watchdog import Watchdog, WatchdogConfig
@@ -34,7 +42,7 @@ class Unicycle:
         return Pose.from_yaw(self.yaw, (self.x, self.y, 0.0))
 
     def move(self, twist: Twist, step_s: float) -> None:
-        assert 0.0 <= twist.speed <= CONFIG.max_speed
+        assert -RETREAT_SPEED <= twist.speed <= CONFIG.max_speed
         assert abs(twist.turn_rate) <= CONFIG.max_turn_rate
         self.now_s += step_s
         self.yaw += twist.turn_rate * step_s
@@ -152,6 +160,43 @@ def test_a_body_that_gets_nowhere_is_blocked() -> None:
         robot.pilot.tick(stuck, stuck, 0.05 * k)
     assert robot.pilot.outcome is Outcome.BLOCKED
     assert robot.pilot.tick(stuck, stuck, 5.0) == STILL
+
+
+def test_a_body_that_cannot_turn_backs_out_and_turns_there() -> None:
+    robot = Robot()
+    robot.guard.turn_limit = lambda pose, rate, late_s: (
+        math.inf if pose.translation[0] < -0.2 else 0.0
+    )
+    robot.pilot.begin(Turn(math.pi / 2), robot.body.pose)
+    slowest = 0.0
+    for _ in range(400):
+        robot.tick()
+        slowest = min(slowest, robot.body.last.speed)
+        if robot.pilot.outcome is not Outcome.UNDER_WAY:
+            break
+    assert robot.pilot.outcome is Outcome.DONE
+    assert slowest == -RETREAT_SPEED
+    assert robot.body.x == pytest.approx(-RETREAT_M, abs=0.05)
+    assert robot.body.yaw == pytest.approx(math.pi / 2, abs=0.1)
+
+
+def test_a_body_that_cannot_turn_there_either_is_blocked() -> None:
+    robot = Robot()
+    robot.guard.turn_limit = lambda *_: 0.0
+    robot.pilot.begin(Turn(1.0), robot.body.pose)
+    for _ in range(400):
+        robot.tick()
+    assert robot.pilot.outcome is Outcome.BLOCKED
+    assert robot.body.x == pytest.approx(-RETREAT_M, abs=0.05)
+
+
+def test_a_keep_out_area_is_not_backed_into() -> None:
+    robot = Robot(keep_out=(((-2.0, -1.0), (-0.1, -1.0), (-0.1, 1.0), (-2.0, 1.0)),))
+    robot.guard.turn_limit = lambda *_: 0.0
+    robot.pilot.begin(Turn(1.0), robot.body.pose)
+    for _ in range(400):
+        robot.tick()
+    assert robot.body.x > -0.1
 
 
 def test_a_keep_out_area_is_not_entered() -> None:

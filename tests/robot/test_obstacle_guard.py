@@ -43,6 +43,15 @@ def test_the_allowed_speed_stops_before_the_wall(distance) -> None:
     assert free == pytest.approx(distance - ROUND.turning_radius_m, abs=0.05)
 
 
+@given(st.floats(0.5, 1.4), st.floats(0.0, 0.4))
+def test_from_an_old_pose_the_speed_is_lower_by_the_way_since(distance, late_s) -> None:
+    guard, pose = facing_wall(distance)
+    speed = guard.limit(pose, late_s=late_s)
+    needed = speed * (CONFIG.reaction_s + late_s) + speed**2 / (2.0 * MOTION.acceleration)
+    assert needed + ROUND.turning_radius_m <= distance + 0.03
+    assert speed <= guard.limit(pose)
+
+
 def test_beside_and_behind_the_robot_nothing_counts() -> None:
     guard, pose = facing_wall(1.0)
     aside = Pose.from_yaw(pose.yaw + math.pi, pose.translation)

@@ -150,8 +150,14 @@ class ObstacleGuard:
         headings = {pose.yaw, pose.yaw + AHEAD_S * turn_rate}
         return min(self._free_along(pose.translation[:2], heading) for heading in headings)
 
-    def limit(self, pose: Pose, turn_rate: float = 0.0) -> float:
-        """The greatest speed (m/s) from which the robot can still stop in time."""
+    def limit(self, pose: Pose, turn_rate: float = 0.0, late_s: float = 0.0) -> float:
+        """The greatest speed (m/s) from which the robot can still stop in time.
+
+        Args:
+            pose: Where it is, or was a moment ago.
+            turn_rate: Radians a second.
+            late_s: How old that pose is.
+        """
         fastest = math.inf if self._sees_floor(pose) else self._config.creep_speed
         ahead = self.free_ahead(pose, turn_rate)
         if ahead >= self._config.reach_m:
@@ -159,9 +165,9 @@ class ObstacleGuard:
         free = ahead - self._config.margin_m
         if free <= 0.0:
             return 0.0
-        return min(fastest, self._stoppable(free, self._motion.acceleration))
+        return min(fastest, self._stoppable(free, self._motion.acceleration, late_s))
 
-    def turn_limit(self, pose: Pose, turn_rate: float) -> float:
+    def turn_limit(self, pose: Pose, turn_rate: float, late_s: float = 0.0) -> float:
         """The greatest rate (radians a second) at which the body can turn that way and still stop.
 
         A round body turns freely. Of a longer one the ends sweep past what is beside it.
@@ -169,6 +175,7 @@ class ObstacleGuard:
         Args:
             pose: Where it is.
             turn_rate: The rate that is wanted, whose sign is the way.
+            late_s: How old the pose is.
         """
         if self._footprint.end_m == 0.0:
             return math.inf
@@ -182,7 +189,7 @@ class ObstacleGuard:
             self._free_turn(pose, turn_rate, points, margin)
             for points, margin in ((self._seen[:, :2], margin_m), (self._mapped, margin_m - BIN_M))
         )
-        return min(fastest, self._stoppable(free, self._motion.turn_acceleration))
+        return min(fastest, self._stoppable(free, self._motion.turn_acceleration, late_s))
 
     def _free_turn(
         self, pose: Pose, turn_rate: float, points: NDArray[np.float64], margin_m: float
@@ -203,11 +210,11 @@ class ObstacleGuard:
         free = ahead[outside] - room.half_angle_at(away[outside])
         return max(0.0, float(free.min(initial=math.inf)))
 
-    def _stoppable(self, free: float, deceleration: float) -> float:
+    def _stoppable(self, free: float, deceleration: float, late_s: float) -> float:
         """The speed from which the robot stops within a way or an angle, the reaction included."""
         if math.isinf(free):
             return math.inf
-        a, t = deceleration, self._config.reaction_s
+        a, t = deceleration, self._config.reaction_s + late_s
         return a * (math.sqrt(t * t + 2.0 * free / a) - t)
 
     def _sees_floor(self, pose: Pose) -> bool:

@@ -78,13 +78,16 @@ class Pilot:
         with self._lock:
             self._end(Outcome.NONE)
 
-    def tick(self, pose: Pose | None, slam_from_base: Pose | None, now_s: float) -> Twist:
+    def tick(
+        self, pose: Pose | None, slam_from_base: Pose | None, now_s: float, late_s: float = 0.0
+    ) -> Twist:
         """The velocity for now.
 
         Args:
             pose: Where the robot is, in the frame of the intents.
             slam_from_base: The same in the frame of the keep-out areas.
             now_s: By a steady clock.
+            late_s: How long ago it was there.
         """
         with self._lock:
             elapsed_s = min(max(0.0, now_s - self._last_s), 0.2)
@@ -101,7 +104,7 @@ class Pilot:
                 wanted = self._motion.wanted(pose)
             if wanted is None:
                 return self._end(Outcome.DONE)
-            limits = self._limits(wanted, pose, slam_from_base)
+            limits = self._limits(wanted, (pose, slam_from_base), late_s)
             if self._stillness.seconds(pose, now_s) > self._config.stall_s:
                 if wanted.speed != 0.0 or self._retreated:
                     return self._end(Outcome.BLOCKED)
@@ -115,12 +118,14 @@ class Pilot:
             self._last = _no_faster(twist, limits)
             return self._last
 
-    def _limits(self, wanted: Twist, pose: Pose, slam_from_base: Pose) -> Twist:
+    def _limits(self, wanted: Twist, poses: tuple[Pose, Pose], late_s: float) -> Twist:
         """How fast the surroundings let it go on; says why where that is next to nothing."""
+        pose, slam_from_base = poses
         if (wanted.speed or self._last.speed) < 0.0:
             pose, slam_from_base = pose @ ABOUT, slam_from_base @ ABOUT
-        speed = self._guard.limit(pose, wanted.turn_rate)
-        rate = self._guard.turn_limit(pose, wanted.turn_rate or self._last.turn_rate)
+        speed = self._guard.limit(pose, wanted.turn_rate, late_s)
+        turning = wanted.turn_rate or self._last.turn_rate
+        rate = self._guard.turn_limit(pose, turning, late_s)
         if self._watchdog.enters_keep_out(slam_from_base, min(abs(wanted.speed), speed)):
             self.objection, speed = "a keep-out area is ahead", 0.0
         elif speed < abs(wanted.speed) and speed < SLOWEST:

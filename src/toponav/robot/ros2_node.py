@@ -321,7 +321,8 @@ class SearchNode:
 
     def _tick_velocity(self, now_s: float) -> None:
         self._hold(now_s)
-        twist = self._pilot.tick(self.senses.pose, self.senses.slam_pose, now_s)
+        late_s = self.senses.pose_age(self.now_s())
+        twist = self._pilot.tick(self.senses.pose, self.senses.slam_pose, now_s, late_s)
         idle = twist == STILL and self._pilot.outcome is Outcome.NONE
         if not idle or self.search.goal:
             self._send(twist)

@@ -46,6 +46,12 @@ class Senses:
         with self._lock:
             return self._poses.newest
 
+    def pose_age(self, at_s: float) -> float:
+        """Seconds since the robot was at `pose`, by the clock of the stamps; 0 without one."""
+        with self._lock:
+            newest_s = self._poses.newest_s
+        return 0.0 if newest_s is None else max(0.0, at_s - newest_s)
+
     @property
     def slam_pose(self) -> Pose | None:
         """The same in the frame of the pose topic."""
