@@ -104,7 +104,10 @@ def test_a_mesh_without_floor(capsys: pytest.CaptureFixture[str], tmp_path: Path
         (["--start", "nan,0,0,0"], "NaN"),
         (["--camera", "big"], "WIDTHxHEIGHT"),
         (["--method", "magic"], "unknown method 'magic'; known: cow, "),
-        (["--detector", "magic"], "unknown detector 'magic'; known: noisy, onnx, oracle"),
+        (
+            ["--detector", "magic"],
+            "unknown detector 'magic'; known: glee, huggingface, noisy, onnx, oracle",
+        ),
         (["--reasoner", "magic"], "unknown reasoner 'magic'; known: noisy, openai, prior"),
         (["--set", "navigator.memory.nonsense=1"], "navigator.memory.nonsense"),
         (["--set", "navigator.memory.d_merge=far"], "d_merge"),

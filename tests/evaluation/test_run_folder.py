@@ -101,7 +101,7 @@ def test_another_source_is_refused(begun: Path) -> None:
 
 def test_how_many_by_whom_and_where_may_change_and_is_written_down(begun: Path) -> None:
     free = {
-        "episodes": 9, "data": Path("/elsewhere"), "shard": "1/2",
+        "episodes": 9, "data": Path("/elsewhere"), "only": "other-floor", "shard": "1/2",
         "workers": 5, "ray_address": "10.0.0.1:6379", "record": False, "explain": False,
         "cache": Path("/cache"), "max_cost": 2.0,
     }  # fmt: skip

@@ -153,11 +153,18 @@ class ProgressMonitor:
         """A new goal: what came before does not count."""
         self._last_xy: NDArray[np.float64] | None = None
         self._visits: Counter[tuple[int, int, int]] = Counter()
+        self._last_cell: tuple[int, int] | None = None
         self._gains: deque[float] = deque(maxlen=self._config.window_steps)
 
     def circles(self, world_from_base: Pose) -> bool:
-        """Add a step; whether this walk has come to the same place and heading time and again."""
+        """Add a step; whether this walk has come back to the same place and heading time and again.
+
+        Turns and bumps on the spot do not count: so the agent feels its way round what it bumps into.
+        """
         i, j = np.rint(world_from_base.translation[:2] / SAME_M).astype(int).tolist()
+        if (i, j) == self._last_cell:
+            return False
+        self._last_cell = i, j
         pose = i, j, round(world_from_base.yaw / SAME_RAD)
         self._visits[pose] += 1
         return self._visits[pose] >= VISITS
