@@ -142,7 +142,8 @@ def _map_line(figures: dict[str, Any]) -> str:
     return (
         f"{figures['frames']} frames of {width} x {height} with labels: integrated in "
         f"{figures['integrate_ms']:.2f} ms (median; 95 % within "
-        f"{figures['integrate_p95_ms']:.2f}), handed out in {figures['view_ms']:.2f} ms; "
+        f"{figures['integrate_p95_ms']:.2f}; {figures['integrate_cpu_ms']:.2f} ms of processor "
+        f"time), handed out in {figures['view_ms']:.2f} ms; "
         f"{usual}{affordances}; {figures['voxels']} voxels, {same} a reference in NumPy; one of "
         f"{figures['cores']} cores"
     )
