@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -11,8 +13,11 @@ from toponav.errors import ConfigError
 from toponav.geometry import Pose
 from toponav.robot.config import PROFILES, navigator_config, robot_config, robot_yaml
 from toponav.robot.frame_sync import FrameSync
+from toponav.robot.frames import COLOR, DEPTH, FrameReader
+from toponav.robot.obstacle_guard import ObstacleGuard
 from toponav.robot.pose_buffer import PoseBuffer
 from toponav.robot.pose_continuity import PoseContinuity
+from toponav.robot.senses import Senses
 from toponav.robot.watchdog import Watchdog, WatchdogConfig
 
 
@@ -131,3 +136,20 @@ def test_a_file_overrides_its_profile_and_unknown_keys_are_named(tmp_path) -> No
             robot_config(str(path))
     with pytest.raises(ConfigError, match="known: generic"):
         robot_config("rover")
+
+
+def test_what_has_never_come_is_named_by_its_topic() -> None:
+    robot = robot_config("generic")
+    reader = FrameReader(robot.camera)
+    guard = ObstacleGuard(robot.guard, robot.footprint, robot.motion)
+    senses = Senses(reader, PoseContinuity(0.5, 1.0), Watchdog(robot.watchdog), guard, 0.02)
+    assert senses.lacks == "no camera info on camera/color/camera_info"
+    reader.take_info(SimpleNamespace(width=4, height=3, k=np.eye(3).ravel()))
+    assert senses.lacks == "no pose"
+    senses.pose_came(0.0, Pose.identity(), 0.0)
+    assert senses.lacks == "no images on camera/aligned_depth_to_color/image_raw"
+    senses.image_came(DEPTH, 1.0, None, 1.0, 1.0)
+    assert senses.lacks == "no images on camera/color/image_raw"
+    senses.image_came(COLOR, 1.0, None, 1.0, 1.0)
+    assert senses.lacks == ""
+    assert senses.pose_age(0.5) == 0.5

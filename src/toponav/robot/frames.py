@@ -56,6 +56,16 @@ class FrameReader:
         """The images that belong to an instant; the first gives it its time."""
         return (DEPTH, COLOR) if self._labels is None else (DEPTH, COLOR, LABELS)
 
+    def topic(self, kind: str) -> str:
+        """Where images of a kind come."""
+        camera = self._camera
+        topics = {
+            COLOR: camera.color_topic,
+            DEPTH: camera.depth_topic,
+            LABELS: camera.labels_topic,
+        }
+        return topics[kind]
+
     @property
     def lacks(self) -> str:
         """What is still to come before an observation can be made; empty when all has."""

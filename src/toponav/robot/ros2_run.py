@@ -102,8 +102,8 @@ def run_node(
 def _finish(node: SearchNode, executor: Any, interrupted: bool) -> dict[str, Any]:
     """Say the last things, and give the middleware a moment to send them."""
     if node.search.status is Status.SEARCHING:
-        why = "interrupted" if interrupted else "the time is up"
-        node.search.cancel(f"{why}: {node.search.reason}" if node.search.reason else why)
+        why, waits = "interrupted" if interrupted else "the time is up", node.status()["reason"]
+        node.search.cancel(f"{why}: {waits}" if waits else why)
     node.tell()
     status = node.status()
     until_s = time.monotonic() + 0.3

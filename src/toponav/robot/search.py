@@ -198,7 +198,7 @@ class Search:
         instant = self._senses.newest()
         with self._lock:
             if self._generation == generation:
-                self.reason = self._senses.reader.lacks
+                self.reason = self._senses.lacks
         if instant is None or not self._is_due(instant):
             return
         begun_s = time.perf_counter()

@@ -36,6 +36,7 @@ class Senses:
         self._poses = PoseBuffer()
         self._frames = FrameSync(reader.kinds, slop_s)
         self._ahead = FrameSync((DEPTH,), 0.0)
+        self._came: set[str] = set()
         self._slam_pose: Pose | None = None
         self._unanswered_s: float | None = None
         self._lock = threading.RLock()
@@ -61,6 +62,17 @@ class Senses:
     def slam_from_world(self) -> Pose:
         """The frame of the pose topic from the search's."""
         return self._continuity.slam_from_world
+
+    @property
+    def lacks(self) -> str:
+        """What has never come, in words; empty when all has."""
+        if self.reader.lacks:
+            return self.reader.lacks
+        with self._lock:
+            if self._poses.newest is None:
+                return "no pose"
+            missing = [kind for kind in self.reader.kinds if kind not in self._came]
+        return f"no images on {self.reader.topic(missing[0])}" if missing else ""
 
     @property
     def jumps(self) -> int:
@@ -100,6 +112,7 @@ class Senses:
             at_s: Now, by the clock of the stamps.
         """
         with self._lock:
+            self._came.add(kind)
             self._frames.add(kind, stamp_s, message)
             if kind == DEPTH:
                 self.watchdog.depth_came(now_s, at_s - stamp_s)

@@ -27,6 +27,9 @@ the protocol's 0.1 m, and the step that a walking agent of the protocol is exact
 CLOSING_S = 60.0
 """A process that does not end within so long of being asked to is killed, seconds."""
 
+STARTING_S = 300.0
+"""A simulated robot that does not publish within so long has failed: a busy machine is slow."""
+
 COMMAND = (sys.executable, "-c", "from toponav.cli.main import entry_point; entry_point()")
 """The command line, whatever the PATH."""
 
@@ -149,7 +152,7 @@ def sim_robot(trial: TrialConfig, folder: Path) -> Iterator[Process]:
     ]
     process = Process(arguments, folder, "sim", trial)
     try:
-        until_s = time.monotonic() + 120.0
+        until_s = time.monotonic() + STARTING_S
         while not process.said("to find"):
             if process.process.poll() is not None or time.monotonic() > until_s:
                 raise TopoNavError(f"the simulated robot did not start: {process.last_words()}")
