@@ -48,6 +48,7 @@ docs: $(VENV)/.docs ## Build the documentation into build/site; a dead link is a
 	@echo "built: open build/site/index.html, or, to search too: $(PYTHON) -m http.server -d build/site" >&2
 
 figures: $(VENV)/.installed ## Draw the pictures of the documentation anew
+	$(BIN)/python docs/make_vocabulary_page.py
 	$(BIN)/python docs/make_furniture_sheet.py
 	$(BIN)/python docs/make_demo_picture.py
 	$(BIN)/python docs/make_concept_figures.py

@@ -11,7 +11,7 @@ import pytest
 
 SRC = Path(__file__).resolve().parents[1] / "src" / "toponav"
 
-BASE = {"errors", "config_model", "registry", "categories", "files", "geometry", "types"}
+BASE = {"errors", "config_model", "registry", "categories", "cores", "files", "geometry", "types"}
 SCENES = BASE | {"scenes"}
 MAPPING = BASE | {"mapping"}
 PERCEPTION = BASE | {"perception"}
@@ -27,6 +27,7 @@ ALLOWED = {
     "config_model": set(),
     "registry": {"errors"},
     "categories": set(),
+    "cores": set(),
     "files": set(),
     "geometry": {"errors", "geometry"},
     "types": {"errors", "geometry", "categories"},

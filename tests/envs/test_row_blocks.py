@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 from box_scenes import room
 
+from toponav.cores import usable_cores
 from toponav.envs.simulator.raycaster import RayCaster
 from toponav.envs.simulator.renderer import Renderer
-from toponav.envs.simulator.row_blocks import for_row_blocks, usable_cores
+from toponav.envs.simulator.row_blocks import for_row_blocks
 from toponav.geometry import Intrinsics, Pose
 from toponav.geometry.conventions import BODY_FROM_OPTICAL
 

@@ -68,6 +68,9 @@ def test_who_finds_nothing_has_no_recall(detector) -> None:
     false = 4 if isinstance(detector, Raving) else 0
     assert sum(row["false"] for row in classes) == false
     assert sum(row["false"] for row in figures["by_distance"].values()) == false
+    assert figures["false_an_image"] == false / 4
+    by_score = {"score to 1": false} if false else {}
+    assert {name: row["false"] for name, row in figures["by_score"].items()} == by_score
     assert (figures["centroid_m"], figures["cloud_iou"]) == (None, None)
 
 

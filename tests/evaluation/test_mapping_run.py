@@ -30,6 +30,22 @@ class LeftHalfIsChair:
         return Detections(("chair",), np.ones(1, np.float32), box, masks)
 
 
+class TwoNames:
+    """Calls one thing by two names, of which it is surer of the first."""
+
+    def detect(self, rgb: NDArray[np.uint8], vocabulary: Sequence[str]) -> Detections:
+        one = LeftHalfIsChair().detect(rgb, vocabulary)
+        scores = np.array([0.9, 0.6], np.float32)
+        both = [np.repeat(array, 2, axis=0) for array in (one.boxes, one.masks)]
+        return Detections(("chair", "bench"), scores, *both)
+
+
+def test_of_two_names_for_one_thing_the_likelier_stays(tmp_path: Path) -> None:
+    write_recording(tmp_path, Pose.identity())
+    run = map_recording(open_recording(tmp_path), TwoNames())
+    assert list(run.view.objects) == ["chair"]
+
+
 def test_a_recording_gives_a_map_a_memory_and_its_path(tmp_path: Path) -> None:
     poses = write_recording(tmp_path, Pose.identity(), count=24)
     detector, progress = LeftHalfIsChair(), []

@@ -188,6 +188,19 @@ def test_the_last_resort_is_the_likeliest_candidate_whatever_is_said_of_it_later
     assert not tracker.settle(view)  # a verdict is given once
 
 
+def test_the_last_resort_may_be_what_was_turned_away_from() -> None:
+    view, tracker = make_view(scene=FLOOR), doubted(frames=1)
+    assert tracker.is_mapped(view, "sofa")  # it is gone to
+    assert not tracker.judge()
+    observation, [mask] = frame([Ball(0.0, 9.0)], 1.8, 9.0)
+    tracker.observe(observation, said(("sofa", 0.5, mask)), "sofa")
+    for _ in range(9):
+        tracker.observe(observation, said(), "sofa")
+    assert not tracker.is_mapped(view, "sofa")
+    assert tracker.settle(view)
+    assert np.abs(tracker.points(view, "sofa")[:, 1]).max() < 1.0
+
+
 def test_what_much_speaks_against_is_no_last_resort() -> None:
     view = make_view(scene=FLOOR)
     strict = GoalConfig(evidence=EvidenceConfig(last_resort=0.0))

@@ -54,6 +54,9 @@ COMMANDS = (
 )  # fmt: skip
 
 OK, FAILED_RUN, BAD_USAGE = 0, 1, 2
+ROS_COMMANDS = ("ros2", "sim-robot", "record")
+"""Commands whose `--ros-args` (remappings, parameters) rclpy reads from the process's arguments."""
+
 INTERRUPTED = 130
 """What shells expect after Ctrl-C: 128 + SIGINT."""
 
@@ -90,6 +93,8 @@ def parse(arguments: Sequence[str]) -> Command:
         raise InputError(f"give a command: {', '.join(COMMANDS)}; or --help")
     if not arguments[0].startswith("-") and arguments[0] not in COMMANDS:
         raise unknown("command", arguments[0], COMMANDS)
+    if "--ros-args" in arguments and arguments[0] in ROS_COMMANDS:
+        arguments = arguments[: arguments.index("--ros-args")]
     return tyro.cli(
         Command,
         prog="toponav",

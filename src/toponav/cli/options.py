@@ -21,6 +21,9 @@ JsonFlag = Annotated[bool, tyro.conf.arg(name="json"), tyro.conf.FlagCreatePairs
 
 QuietFlag = Annotated[bool, tyro.conf.FlagCreatePairsOff]
 
+OffFlag = Annotated[bool, tyro.conf.FlagCreatePairsOff]
+"""An option that is off unless it is given."""
+
 
 def answer_cache() -> Path:
     """Where a user's programs keep what can be had again."""
@@ -102,6 +105,10 @@ class RunOptions:
 
     episodes: int | None = None
     """Episodes in all, spread evenly over the scenes; by default those that the scenes bring."""
+
+    only: Literal["other-floor", "same-floor"] | None = None
+    """Of the episodes that the scenes bring, only those whose target is on another floor than the
+    start, or only the others."""
 
     workers: int = 1
     """Processes; more than one needs the extra `ray`. Results do not depend on it."""

@@ -39,6 +39,9 @@ COCO_FURNISHING = (
 DISTANCES_M = (2.0, 4.0)
 """Where the bins of distance end; the last one is open."""
 
+SCORES = (0.5, 0.7)
+"""Where the bins of the boxes' scores end; the last one is open."""
+
 
 @dataclass
 class Tally:
@@ -68,6 +71,7 @@ class DetectorBench:
         vocabulary: What it is asked for; canonical names.
         by_class: Counts a category.
         by_distance: Counts a bin of distance: the object's, or the box's for what is no object.
+        by_score: Counts a bin of the boxes' scores; nothing is missed there.
         centroid_m: Distance between the centroids of found and true clouds, a found object.
         cloud_iou: Intersection over union of their points.
         detect_ms: Of each image.
@@ -77,6 +81,7 @@ class DetectorBench:
     vocabulary: tuple[str, ...]
     by_class: dict[str, Tally] = field(default_factory=lambda: defaultdict(Tally))
     by_distance: dict[int, Tally] = field(default_factory=lambda: defaultdict(Tally))
+    by_score: dict[int, Tally] = field(default_factory=lambda: defaultdict(Tally))
     centroid_m: list[float] = field(default_factory=list)
     cloud_iou: list[float] = field(default_factory=list)
     detect_ms: list[float] = field(default_factory=list)
@@ -102,7 +107,11 @@ class DetectorBench:
         truth = _visible_objects(frame, instances, self.vocabulary)
         matches = matched(boxed, truth)
         for row, label in enumerate(boxed.labels):
-            if row not in matches:
+            by_score = self.by_score[int(np.searchsorted(SCORES, boxed.scores[row], "right"))]
+            if row in matches:
+                by_score.found += 1
+            else:
+                by_score.false += 1
                 depth = frame.depth[boxed.masks[row]]
                 self._count(label, float(np.median(depth)) if depth.size else 0.0, "false")
         found = {index: row for row, index in matches.items()}
@@ -116,12 +125,18 @@ class DetectorBench:
 
     def figures(self) -> dict[str, Any]:
         """All of it, ready for JSON."""
-        ends = [*DISTANCES_M, float("inf")]
+        ends, scores = [*DISTANCES_M, float("inf")], [*SCORES, 1.0]
         return {
             "by_class": {name: self.by_class[name].figures() for name in sorted(self.by_class)},
             "by_distance": {
                 f"to {ends[k]:g} m": self.by_distance[k].figures() for k in sorted(self.by_distance)
             },
+            "by_score": {
+                f"score to {scores[k]:g}": self.by_score[k].figures() for k in sorted(self.by_score)
+            },
+            "false_an_image": sum(t.false for t in self.by_class.values()) / len(self.detect_ms)
+            if self.detect_ms
+            else None,
             "centroid_m": _median(self.centroid_m),
             "cloud_iou": _median(self.cloud_iou),
             "detect_ms": _median(self.detect_ms),

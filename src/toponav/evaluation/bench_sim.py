@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from toponav.cores import usable_cores
 from toponav.envs.simulator.navigation import NavigableSurface
 from toponav.envs.simulator.renderer import CameraRenderer
 from toponav.envs.simulator.renderers import RendererName, make_renderer
-from toponav.envs.simulator.row_blocks import usable_cores
 from toponav.geometry import Intrinsics, Pose
 from toponav.geometry.conventions import BODY_FROM_OPTICAL
 from toponav.scenes.mesh import Scene

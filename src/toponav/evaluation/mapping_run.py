@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,9 @@ makes its nodes; this is about the length of its agent's legs."""
 
 EVIDENCE = EvidenceConfig()
 """How sightings of an object are weighed, as the navigator weighs those of its target."""
+
+SAME_SHARE = 0.3
+"""Clouds of different names that share this much of their union are one thing."""
 
 Progress = Callable[[int, int], None]
 """Called with the frames done and the frames in all."""
@@ -113,21 +116,46 @@ def map_recording(
     return MappingRun(view, memory.memory, np.array(trajectory), semantic_map.nbytes)
 
 
+class _Find(NamedTuple):
+    """Something that a recording shows: its name, its points (N, 3), what speaks for it."""
+
+    name: str
+    points: NDArray[np.float64]
+    log_odds: float
+
+
 def _with_evidence(view: MapView, evidence: Mapping[str, TargetEvidence]) -> MapView:
-    """The map with those objects that more speaks for than against, over all views of them."""
+    """The map with those objects that more speaks for than against, over all views of them.
+
+    What an agent would look at from one more side has to be judged as it is: a recording goes
+    nowhere. Of two names for one thing the likelier is kept.
+    """
+    finds = [
+        _Find(name, candidate.own_points(EVIDENCE), candidate.log_odds(EVIDENCE))
+        for name, of_name in evidence.items()
+        for candidate in of_name.candidates
+    ]
+    likely = [find for find in finds if find.log_odds >= EVIDENCE.probable and len(find.points)]
+    kept: list[_Find] = []
+    for find in sorted(likely, key=lambda one: -one.log_odds):
+        if not any(_same_thing(find.points, surer.points) for surer in kept):
+            kept.append(find)
     objects = {}
     for name, cloud in view.objects.items():
-        sure = [
-            candidate.own_points(EVIDENCE)
-            for candidate in evidence[name].candidates
-            if candidate.log_odds(EVIDENCE) >= EVIDENCE.accept
-        ]
-        if not sure:
-            continue
-        away, _ = cKDTree(np.concatenate(sure)).query(cloud.points)
-        kept = away <= EVIDENCE.gap_m
-        objects[name] = PointCloud(cloud.points[kept], cloud.colors[kept], cloud.counts[kept])
+        own = [find.points for find in kept if find.name == name]
+        if own:
+            away, _ = cKDTree(np.concatenate(own)).query(cloud.points)
+            rows = away <= EVIDENCE.gap_m
+            objects[name] = PointCloud(cloud.points[rows], cloud.colors[rows], cloud.counts[rows])
     return replace(view, objects=objects)
+
+
+def _same_thing(one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
+    """Whether two clouds share so much that they are one thing; a book on a table is another."""
+    away, _ = cKDTree(other).query(one)
+    back, _ = cKDTree(one).query(other)
+    near = min(np.count_nonzero(away <= EVIDENCE.gap_m), np.count_nonzero(back <= EVIDENCE.gap_m))
+    return bool(near >= SAME_SHARE * (len(one) + len(other) - near))
 
 
 def write_clouds(view: MapView, folder: Path) -> dict[str, Path]:

@@ -10,6 +10,7 @@ from toponav.config import NavigatorConfig, parse_config, preset
 from toponav.config_model import ConfigModel
 from toponav.envs.simulator import HouseEnvConfig
 from toponav.perception import PerceptionConfig
+from toponav.perception.config import perception_preset
 from toponav.reasoning import ReasoningConfig
 from toponav.reasoning.config import reasoning_preset
 
@@ -69,6 +70,7 @@ def run_config(
         "preset": preset_name,
         "seed": seed,
         "navigator": preset(preset_name),
+        "perception": perception_preset(preset_name),
         "reasoning": reasoning_preset(preset_name),
         "env": env or HouseEnvConfig(),
     }

@@ -29,3 +29,16 @@ class PerceptionConfig(ConfigModel):
 
     glee: GleeConfig = Field(default_factory=GleeConfig)
     """The paper's detector, from its authors' code."""
+
+
+SURE = 0.5
+"""From this score on the detections of DEIMv2-femto in furnished houses are right more often than
+wrong (docs/perception.md)."""
+
+
+def perception_preset(name: str) -> PerceptionConfig:
+    """The detectors of a preset: `paper` takes what is detected for true, so it asks for more."""
+    config = PerceptionConfig()
+    if name != "paper":
+        return config
+    return config.model_copy(update={"onnx": config.onnx.model_copy(update={"threshold": SURE})})

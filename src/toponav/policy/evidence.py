@@ -172,10 +172,13 @@ class Candidate:
         """From (2 or 3,) here to the nearest of its points, horizontally, metres."""
         return float(np.hypot(*(self.points[:, :2] - here[:2]).T).min())
 
+    def seen_odds(self, config: EvidenceConfig) -> float:
+        """What all looks at it say, whatever was made of that."""
+        return config.prior + sum(look.log_odds(config) for look in self.looks.values())
+
     def log_odds(self, config: EvidenceConfig) -> float:
-        """All that speaks for and against it."""
-        said = sum(look.log_odds(config) for look in self.looks.values())
-        return config.prior + said + self.verdict
+        """All that speaks for and against it, earlier verdicts too."""
+        return self.seen_odds(config) + self.verdict
 
     def own_points(self, config: EvidenceConfig) -> NDArray[np.float64]:
         """(M, 3) the points that masks agree on."""

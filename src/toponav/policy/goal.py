@@ -175,19 +175,21 @@ class GoalTracker:
     def settle(self, view: MapView) -> bool:
         """Take the likeliest candidate of this storey for the target, as nothing else is left.
 
+        One that was turned away from may still be the likeliest of all: a verdict says that more
+        was asked for than was seen, and now no more is to be had.
+
         Returns:
             Whether there is one that is likely enough.
         """
         config = self.config.evidence
         if config is None or self._evidence is None:
             return False
-        odds = [
-            (candidate.log_odds(config), candidate)
-            for candidate in self._evidence.candidates
-            if len(self._on_storey(candidate, config, view))
-        ]
+        here = [c for c in self._evidence.candidates if len(self._on_storey(c, config, view))]
+        if any(candidate.verdict >= SETTLED / 2.0 for candidate in here):
+            return False
+        odds = [(candidate.seen_odds(config), candidate) for candidate in here]
         best = max(odds, key=lambda pair: pair[0], default=None)
-        if best is None or not config.last_resort <= best[0] < SETTLED / 2.0:
+        if best is None or best[0] < config.last_resort:
             return False
         self._evidence.settle(best[1])
         return True

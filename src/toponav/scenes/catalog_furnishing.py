@@ -21,6 +21,10 @@ MAX_DISTORTION = 1.6
 """A piece is passed over when filling an object's box stretches one axis this much more than
 another."""
 
+FLAT_SHARE = 1 / 3
+"""A side this short beside the longest is a thickness, and may be any: nobody can tell how thick a
+television on the wall is."""
+
 
 class FurnitureLibrary:
     """Gives the objects of houses the models of a catalogue, and writes those that are used."""
@@ -76,6 +80,13 @@ class FurnitureLibrary:
 
 
 def distortion(size: Size, target: Size) -> float:
-    """How much more one axis is stretched than another, at least 1, to make `size` `target`."""
-    scales = [goal / extent for goal, extent in zip(target, size, strict=True)]
+    """How much more one axis is stretched than another, at least 1, to make `size` `target`.
+
+    What is a thickness in both does not count.
+    """
+    scales = [
+        goal / extent
+        for goal, extent in zip(target, size, strict=True)
+        if extent > FLAT_SHARE * max(size) or goal > FLAT_SHARE * max(target)
+    ]
     return max(scales) / min(scales)

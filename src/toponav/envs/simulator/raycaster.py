@@ -10,7 +10,8 @@ from embreex.rtcore_scene import EmbreeScene
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
-from toponav.envs.simulator.row_blocks import for_row_blocks, usable_cores
+from toponav.cores import usable_cores
+from toponav.envs.simulator.row_blocks import for_row_blocks
 from toponav.geometry import Intrinsics, Pose
 from toponav.scenes.mesh import SceneMesh
 

@@ -8,9 +8,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from toponav.cores import usable_cores
 from toponav.envs.simulator.homogeneous import pixels_from_world
 from toponav.envs.simulator.rasterizer import Rasterizer
-from toponav.envs.simulator.row_blocks import for_row_blocks, usable_cores
+from toponav.envs.simulator.row_blocks import for_row_blocks
 from toponav.envs.simulator.shading import Images, Surfaces, View, shade
 from toponav.geometry import Intrinsics, Pose
 from toponav.scenes.mesh import SceneMesh

@@ -11,17 +11,6 @@ BLOCK_ROWS = 30
 """Small enough that a busy core delays the others by no more than a block."""
 
 
-def usable_cores() -> int:
-    """Cores that this process may use: its CPU affinity, or OMP_NUM_THREADS if that is less.
-
-    Whoever runs one process a core (Ray among them) sets the latter to 1.
-    """
-    affinity = getattr(os, "sched_getaffinity", None)  # Linux only
-    cores = len(affinity(0)) if affinity is not None else os.cpu_count() or 1
-    limit = os.environ.get("OMP_NUM_THREADS", "")
-    return max(1, min(cores, int(limit))) if limit.isdecimal() else cores
-
-
 def for_row_blocks(height: int, work: Callable[[int, int], None], threads: int) -> None:
     """Call work(first, end) for blocks of rows that make up an image.
 

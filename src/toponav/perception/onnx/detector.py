@@ -14,6 +14,7 @@ from pydantic import Field
 
 from toponav.categories import canonical
 from toponav.config_model import ConfigModel
+from toponav.cores import usable_cores
 from toponav.errors import InputError, MissingExtraError
 from toponav.perception.base import Detector, DetectorContext, detectors
 from toponav.perception.boxes import Boxes, filled_boxes, within
@@ -22,6 +23,9 @@ from toponav.perception.onnx.model_card import SIZES_INPUT, ModelCard, card_besi
 from toponav.types import Detections
 
 NAME = "onnx"
+WITHOUT_SPINNING = ("session.intra_op.allow_spinning", "0")
+"""Threads that wait for work in a loop take twice the processor time and save none."""
+
 GREY = 114
 """What a letterboxed input is filled up with."""
 
@@ -39,7 +43,7 @@ class OnnxConfig(ConfigModel):
     """Detections in an image, the surest first."""
 
     threads: int = Field(default=0, ge=0)
-    """Of the CPU; 0 leaves the number to onnxruntime."""
+    """Of the CPU; 0 takes as many as the process may use."""
 
 
 class OnnxDetector:
@@ -93,13 +97,16 @@ def _prepared(
     if card.letterbox:
         ratio[:] = ratio.min()
     scaled = np.maximum(np.rint(ratio * (width, height)).astype(int), 1)
-    resized = np.asarray(Image.fromarray(rgb).resize((int(scaled[0]), int(scaled[1]))), np.float32)
-    image = np.full((card.size, card.size, 3), GREY, np.float32)
-    image[: scaled[1], : scaled[0]] = resized
+    resized = Image.fromarray(rgb).resize((int(scaled[0]), int(scaled[1])))
+    pixels = np.full((card.size, card.size, 3), GREY, np.uint8)
+    pixels[: scaled[1], : scaled[0]] = np.asarray(resized)
     if card.channels == "bgr":
-        image = image[..., ::-1]
-    image = (image * card.scale - np.asarray(card.mean)) / np.asarray(card.std)
-    return np.ascontiguousarray(image.transpose(2, 0, 1)[None], np.float32), ratio
+        pixels = pixels[..., ::-1]
+    factor = np.array(card.scale / np.asarray(card.std), np.float32)
+    offset = np.array(np.asarray(card.mean) / np.asarray(card.std), np.float32)
+    planes = np.ascontiguousarray(pixels.transpose(2, 0, 1)) * factor[:, None, None]
+    planes -= offset[:, None, None]
+    return planes[None], ratio
 
 
 @lru_cache(maxsize=4)
@@ -111,7 +118,8 @@ def _load(model: Path, threads: int) -> tuple[Any, ModelCard]:
     card = card_beside(model)
     options = onnxruntime.SessionOptions()
     options.log_severity_level = ONLY_ERRORS
-    options.intra_op_num_threads = threads
+    options.intra_op_num_threads = threads or usable_cores()
+    options.add_session_config_entry(*WITHOUT_SPINNING)
     try:
         session = onnxruntime.InferenceSession(
             str(model), options, providers=onnxruntime.get_available_providers()
