@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+import toponav
 from docs_commands import NEEDS, ROOT, Block, blocks, commands_in_tables, commands_of, pages
 from toponav.cli.main import main, parse
 from toponav.config import with_overrides
@@ -93,3 +94,9 @@ def test_the_links_of_the_readme_lead_somewhere() -> None:
     links = [link for link in re.findall(r"\]\(([^)#]+)", text) if "://" not in link]
     assert len(links) > 20
     assert [link for link in links if not (ROOT / link).exists()] == []
+
+
+def test_the_api_page_has_every_public_name() -> None:
+    text = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
+    shown = {name.rpartition(".")[2] for name in re.findall(r"^::: ([\w.]+)", text, re.MULTILINE)}
+    assert set(toponav.__all__) <= shown
