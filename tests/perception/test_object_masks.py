@@ -102,3 +102,23 @@ def test_boxes_round_true_objects_give_most_of_them_back() -> None:
         env.step(int(Action.TURN_LEFT))
     assert right / taken > 0.8
     assert right / true > 0.5
+
+
+def test_what_stands_before_the_middle_of_a_wide_thing_is_not_it() -> None:
+    """A coffee table fills the middle of the sofa's box, but not the box."""
+    observation, _ = room()
+    depth = observation.depth.copy()
+    sofa, table = np.zeros_like(depth, np.bool_), np.zeros_like(depth, np.bool_)
+    sofa[52:84, 40:120], table[64:84, 54:106] = True, True
+    depth[sofa] = 3.0
+    depth[table] = 2.0
+    hidden = Observation(
+        observation.rgb,
+        depth,
+        observation.world_from_camera,
+        observation.world_from_base,
+        CAMERA,
+    )
+    [mask] = object_masks(hidden, boxed(sofa, label="sofa")).masks
+    assert not (mask & table).any()
+    assert np.count_nonzero(mask) > 0.5 * np.count_nonzero(sofa & ~table)

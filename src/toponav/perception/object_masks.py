@@ -2,7 +2,8 @@
 
 A box also holds the floor before the thing, the wall behind it and whatever stands in front. The
 thing is taken to be the connected surface, without jumps in depth, that fills most of the middle of
-the box; the floor under it and what lies deeper than a thing of its kind can be are left out.
+the box and reaches to its sides, which what stands in front does not; the floor under it and what
+lies deeper than a thing of its kind can be are left out.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_erosion, label
+from scipy.ndimage import binary_erosion, find_objects, label
 
 from toponav.types import Detections, Observation
 
@@ -31,6 +32,10 @@ different surfaces: a floor seen at a flat angle from 0.9 m high still counts as
 
 MIDDLE = 0.25
 """The middle of a box begins at this share of its sides."""
+
+REACH = 2.0
+"""Power of the share of the box that a surface's extents have: a coffee table in front of a sofa
+fills the middle of the sofa's box, but not the box."""
 
 LARGEST_M = {
     "bed": 2.4, "sofa": 2.6, "table": 2.6, "bathtub": 2.0, "counter": 3.0, "bench": 2.0,
@@ -114,7 +119,7 @@ def _object_mask(
 
 
 def _main_surface(depth: NDArray[np.float32], solid: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """(h, w) the connected surface that fills most of the middle."""
+    """(h, w) the connected surface that fills most of the middle and reaches farthest."""
     jump = JUMP_M + JUMP_PER_M * depth
     smooth = solid.copy()
     for axis in (0, 1):
@@ -135,7 +140,8 @@ def _main_surface(depth: NDArray[np.float32], solid: NDArray[np.bool_]) -> NDArr
     votes = np.bincount(middle.ravel(), minlength=count + 1)[1:]
     if not votes.any():
         votes = np.bincount(pieces.ravel(), minlength=count + 1)[1:]
-    return np.asarray(pieces == 1 + int(np.argmax(votes)))
+    reach = [np.prod([side.stop - side.start for side in sides]) for sides in find_objects(pieces)]
+    return np.asarray(pieces == 1 + int(np.argmax(votes * (np.array(reach) / depth.size) ** REACH)))
 
 
 def _pair(array: NDArray[np.generic], axis: int) -> tuple[NDArray[np.generic], NDArray[np.generic]]:
