@@ -20,7 +20,7 @@ class Version(Enum):
     OTHER = "other"
 
 
-_ANNOTATIONS = {
+_ANNOTATIONS: dict[Version, tuple[str, ...]] = {
     Version.HM3D_V1: (".semantic.glb", ".semantic.txt"),
     Version.HM3D_V2: (".semantic.glb", ".semantic.txt"),
     Version.MP3D_V1: (".house", "_semantic.ply"),
