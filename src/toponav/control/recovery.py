@@ -159,7 +159,7 @@ class ProgressMonitor:
     def circles(self, world_from_base: Pose) -> bool:
         """Add a step; whether this walk has come back to the same place and heading time and again.
 
-        Turns and bumps on the spot do not count: so the agent feels its way round what it bumps into.
+        Turns and bumps on the spot do not count: by them it feels its way round an obstacle.
         """
         i, j = np.rint(world_from_base.translation[:2] / SAME_M).astype(int).tolist()
         if (i, j) == self._last_cell:
