@@ -9,7 +9,6 @@ pytest.importorskip("torch", reason="needs the extra huggingface")
 pytest.importorskip("transformers", reason="needs the extra huggingface")
 
 from tiny_models import save_grounding_dino, save_owlv2, save_sam, transformers
-
 from toponav.errors import InputError
 from toponav.perception.huggingface.detector import HuggingFaceConfig, HuggingFaceDetector
 from toponav.perception.huggingface.phrases import GroundingPrompt, grounding_prompts
