@@ -173,6 +173,10 @@ def robot_yaml(config: RobotConfig) -> str:
     return yaml.safe_dump(config.model_dump(mode="json"), sort_keys=False)
 
 
+KEEP_CLEAR = {"clearance_weight": 2.0, "preferred_clearance_m": 0.4}
+"""A robot keeps off what it passes more than the shortest way asks for, yet fits through doors."""
+
+
 def navigator_config(robot: RobotConfig, preset_name: str = "default") -> NavigatorConfig:
     """The agent's parameters of a preset, fitted to a robot.
 
@@ -181,7 +185,7 @@ def navigator_config(robot: RobotConfig, preset_name: str = "default") -> Naviga
     """
     turn, body = robot.turn_deg, robot.footprint
     radius_m = max(body.half_width_m + PLANNING_MARGIN_M, body.turning_radius_m)
-    planner: dict[str, Any] = {"radius_m": radius_m}
+    planner: dict[str, Any] = {"radius_m": radius_m, **KEEP_CLEAR}
     if robot.watchdog.keep_out:
         planner["keep_out"] = robot.watchdog.keep_out
     arrival_m = {} if robot.drive == "cmd_vel" else {"arrival_m": NAV2_ARRIVAL_M}
