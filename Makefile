@@ -11,17 +11,28 @@ EXTRAS ?= dev,ray,onnx,viz,gl,ros2,bags
 help: ## List the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/'
 
-# The stamp changes when the dependencies do, so that an old environment is brought up to date.
-$(VENV)/.installed: pyproject.toml constraints.txt
-	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[$(EXTRAS)]'
+PIP := $(BIN)/pip install --quiet --disable-pip-version-check --constraint constraints.txt
+
+# The stamps change when the dependencies do, so that an old environment is brought up to date.
+# The demo needs the package alone, which is there in a fraction of the time of the extras.
+$(VENV)/.package: pyproject.toml constraints.txt
+	@$(PYTHON) -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' || \
+	  { echo "TopoNav needs Python 3.11 to 3.13: say which, as in make demo PYTHON=python3.12" >&2; exit 2; }
+	@echo "installing into $(VENV)" >&2
+	@$(PYTHON) -m venv $(VENV)
+	@$(PIP) --editable .
 	@touch $@
 
-$(VENV)/.docs: $(VENV)/.installed
-	$(BIN)/pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[docs]'
+$(VENV)/.installed: $(VENV)/.package
+	@echo "installing the extras $(EXTRAS) into $(VENV)" >&2
+	@$(PIP) --editable '.[$(EXTRAS)]'
 	@touch $@
 
-demo: $(VENV)/.installed ## Find an object in a generated house; pictures in runs/demo
+$(VENV)/.docs: $(VENV)/.package
+	@$(PIP) --editable '.[docs]'
+	@touch $@
+
+demo: $(VENV)/.package ## Find an object in a generated house; pictures in runs/demo
 	$(BIN)/toponav demo --out runs/demo
 
 test: $(VENV)/.installed ## Run the tests
@@ -33,7 +44,8 @@ check: $(VENV)/.installed ## Lint, formatting and types
 	$(BIN)/mypy
 
 docs: $(VENV)/.docs ## Build the documentation into build/site; a dead link is an error
-	$(BIN)/mkdocs build --strict --quiet
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	@echo "built: open build/site/index.html, or, to search too: $(PYTHON) -m http.server -d build/site" >&2
 
 figures: $(VENV)/.installed ## Draw the pictures of the documentation anew
 	$(BIN)/python docs/make_vocabulary_page.py

@@ -1,4 +1,4 @@
-"""Draws docs/images/demo.png and docs/images/panorama.jpg: what `toponav demo` writes."""
+"""Draws docs/images/demo.png and docs/images/demo.gif: the search that `toponav demo` makes."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from pathlib import Path
 from toponav.cli.main import main
 
 IMAGES = Path(__file__).parent / "images"
-PANORAMA = "panorama_01.jpg"
-"""The second decision: the first at which the memory holds more than the start."""
 
 
 def draw() -> None:
-    """Run the demo and keep its pictures."""
+    """Run the demo, keep its picture and film it."""
     with tempfile.TemporaryDirectory() as folder:
         if main(["demo", "--out", folder]) != 0:
             raise SystemExit("the demo failed; its message is above")
         IMAGES.mkdir(exist_ok=True)
         shutil.copy(Path(folder) / "topdown.png", IMAGES / "demo.png")
-        shutil.copy(Path(folder) / PANORAMA, IMAGES / "panorama.jpg")
+        film = ["--what", "video", "--every", "2", "--out", str(IMAGES / "demo.gif")]
+        if main(["render", folder, *film]) != 0:
+            raise SystemExit("the film failed; the message is above")
 
 
 if __name__ == "__main__":

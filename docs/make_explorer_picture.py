@@ -17,7 +17,7 @@ from selenium.webdriver.support.ui import WebDriverWait
 from toponav.cli.main import main
 
 IMAGES = Path(__file__).parent / "images"
-WHERE = "#scene=generated_0&index=0&decision=5"
+WHERE = "#scene=generated_0&index=0&decision=4"
 WIDTH, HEIGHT = 1280, 860
 COLORS = 200
 """Of the palette: a third of the bytes, and nothing is seen of it."""

@@ -26,10 +26,10 @@ def wall_follower(context: AgentContext) -> WallFollower:
     return WallFollower()
 
 
-env = HouseEnvConfig(width=160, height=120, max_steps=60)
-for method in ("wall-follower", "frontier"):
-    runner = SceneRunner(load_scene("generated:6"), run_config("paper", method, env=env))
-    result = runner.run(runner.episode(0))
-    print(
-        f"{method}: {result.ended} after {result.path_length:.1f} m, SoftSPL {result.soft_spl:.2f}"
-    )
+if __name__ == "__main__":
+    env = HouseEnvConfig(width=160, height=120, max_steps=60)
+    for method in ("wall-follower", "frontier"):
+        runner = SceneRunner(load_scene("generated:6"), run_config("paper", method, env=env))
+        result = runner.run(runner.episode(0))
+        length, soft_spl = result.path_length, result.soft_spl
+        print(f"{method}: {result.ended} after {length:.1f} m, SoftSPL {soft_spl:.2f}")

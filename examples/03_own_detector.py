@@ -36,8 +36,11 @@ def green(context: DetectorContext) -> GreenIsSofa:
     return GreenIsSofa()
 
 
-config = run_config("default", env=HouseEnvConfig(width=160, height=120, max_steps=60))
-config = config.model_copy(update={"detector": "green"})
-runner = SceneRunner(load_scene("generated:6"), config)
-result = runner.run(runner.spec(0, runner.env.episode("sofa", None, 0)))
-print(f"{result.steps} steps, ended by {result.ended} {result.distance_to_goal:.2f} m from a sofa")
+if __name__ == "__main__":
+    config = run_config("default", env=HouseEnvConfig(width=160, height=120, max_steps=60))
+    config = config.model_copy(update={"detector": "green"})
+    runner = SceneRunner(load_scene("generated:6"), config)
+    result = runner.run(runner.spec(0, runner.env.episode("sofa", None, 0)))
+    print(
+        f"{result.steps} steps, ended by {result.ended} {result.distance_to_goal:.2f} m from a sofa"
+    )

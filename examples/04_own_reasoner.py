@@ -29,9 +29,10 @@ def most_floor(context: ReasonerContext) -> MostFloor:
     return MostFloor(context.config.prior)
 
 
-env = HouseEnvConfig(width=160, height=120, max_steps=200)
-for name in ("most-floor", "prior"):
-    config = run_config("paper", env=env).model_copy(update={"reasoner": name})
-    runner = SceneRunner(load_scene("generated:6"), config)
-    result = runner.run(runner.episode(0))
-    print(f"{name}: {result.ended} after {result.steps} steps, SPL {result.spl:.2f}")
+if __name__ == "__main__":
+    env = HouseEnvConfig(width=160, height=120, max_steps=200)
+    for name in ("most-floor", "prior"):
+        config = run_config("paper", env=env).model_copy(update={"reasoner": name})
+        runner = SceneRunner(load_scene("generated:6"), config)
+        result = runner.run(runner.episode(0))
+        print(f"{name}: {result.ended} after {result.steps} steps, SPL {result.spl:.2f}")

@@ -68,7 +68,12 @@ _PRESETS: dict[str, dict[str, Any]] = {
         "map": {"stairwells": True, "clearing": {}},
         "goal": {"evidence": {}, "glimpses": {}, "stop_distance_m": 0.92},
         "locomotion": {
-            "planner": {"clearance_weight": 1.0, "landing_m": 0.8, "preferred_clearance_m": 0.35}
+            "planner": {
+                "clearance_weight": 1.0,
+                "landing_m": 0.8,
+                "preferred_clearance_m": 0.35,
+                "tight_weight": 10.0,
+            }
         },
         "search": {},
     },

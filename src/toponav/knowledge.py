@@ -22,7 +22,7 @@ from toponav.memory.graph import TopologicalMemory
 from toponav.memory.serialization import memory_from_json, memory_json
 from toponav.types import Agent
 
-FORMAT = "toponav-knowledge/1"
+FORMAT = "toponav-knowledge/2"
 """Name and version of the file: a NumPy archive of the map's arrays, and the memory's JSON."""
 
 

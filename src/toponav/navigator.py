@@ -15,7 +15,7 @@ from toponav.categories import canonical
 from toponav.config import NavigatorConfig
 from toponav.control.guide import Guide
 from toponav.control.locomotion import Locomotion, Progress
-from toponav.control.planned_search import Hints, PlannedSearch
+from toponav.control.planned_search import Hints, PlannedSearch, Standing
 from toponav.control.planner import CostField
 from toponav.control.recovery import BarrenWaypoints
 from toponav.control.vantage import further_look, vantage_point
@@ -169,6 +169,7 @@ class Navigator:
 
     def _decide(self, observation: Observation, view: MapView) -> None:
         """At a waypoint: remember the place (III-D), ask the reasoner, choose p_target (III-E)."""
+        self._locomotion.squeeze(False)
         reach = self._locomotion.reach(observation, view.grid)
         node = self._memory.arrive(
             self._odometry.position_xy, view, self._odometry.since_arrival_m, reach.geodesic
@@ -264,16 +265,43 @@ class Navigator:
             guided = self._memory.frontier_points_of(guidance.node_id, view)[:, :2]
             glimpses = self._goal.pursue_glimpses(view)
             hints = Hints(guided, glimpses, self._goal.is_elsewhere(view))
-            waypoint = self._search.set_out(hints, foot_z, view, reach, admissible)
+            standing = Standing(
+                foot_z, reach, lambda: self._squeezed(observation, view), admissible
+            )
+            waypoint = self._search.set_out(hints, standing, view)
+            self._locomotion.squeeze(self._search.squeezes)
+            if waypoint is None:
+                places = self._memory.places(view.floor)
+                waypoint = self._search.revisit(places, view, reach)
             if waypoint is not None or not self._goal.settle(view):
                 return waypoint
             self._phase = Phase.TARGET_ACQUISITION
         self._search.leave()
+        towards = self._towards_target(observation, view, reach, admissible)
+        if towards is None:
+            reach = self._squeezed(observation, view)
+            towards = self._towards_target(observation, view, reach, admissible)
+        return towards
+
+    def _towards_target(
+        self,
+        observation: Observation,
+        view: MapView,
+        reach: CostField,
+        admissible: NDArray[np.bool_],
+    ) -> NDArray[np.float64] | None:
+        """Where the target is seen from nearby, or the frontier by which it may be reached."""
+        assert self._search is not None
         vantage = self._vantage(observation, view, reach)
         if vantage is not None:
             return vantage
         points = self._goal.points(view, self._target)
         return self._search.set_out_towards(points, view, reach, admissible)
+
+    def _squeezed(self, observation: Observation, view: MapView) -> CostField:
+        """Cost of walking to every cell, through gaps that may be too narrow, too."""
+        self._locomotion.squeeze()
+        return self._locomotion.reach(observation, view.grid)
 
     def _affordances(self, view: MapView, guidance: Guidance) -> Affordances:
         """A on M_nav, of the phase."""

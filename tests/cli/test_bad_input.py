@@ -142,6 +142,20 @@ def test_an_unknown_option_is_usage(capsys: pytest.CaptureFixture[str]) -> None:
     assert "--sed" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["dmeo"], "unknown command 'dmeo' (did you mean 'demo'?)"),
+        (["help"], "unknown command 'help'"),
+        ([], "give a command: demo, run, eval"),
+    ],
+)
+def test_what_is_no_command_is_said_in_one_line(
+    capsys: pytest.CaptureFixture[str], words: list[str], says: str
+) -> None:
+    fails(capsys, *words, says=says)
+
+
 def truncate(path: Path) -> None:
     path.write_bytes(path.read_bytes()[:60])
 

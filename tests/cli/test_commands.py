@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 from itertools import pairwise
@@ -13,8 +14,9 @@ from typing import Any
 import pytest
 from PIL import Image
 
+import toponav
 from small_house import SMALL
-from toponav.cli.main import main
+from toponav.cli.main import COMMANDS, main
 from toponav.config import load_config
 from toponav.evaluation.run_config import RunConfig
 from toponav.memory.serialization import load_memory
@@ -169,10 +171,23 @@ def test_bench_prints_frames_per_second(capsys: pytest.CaptureFixture[str]) -> N
     assert figures["cores"] == 1
 
 
+def test_the_version(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out == f"toponav {toponav.__version__}\n"
+
+
+def test_every_command_has_a_name(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    listed = re.search(r"\{([\w,-]+)\}", capsys.readouterr().out)
+    assert listed is not None
+    assert listed[1].split(",") == list(COMMANDS)
+
+
 @pytest.mark.parametrize(
     "command",
-    [(), ("demo",), ("run",), ("eval",), ("map",), ("scenes",), ("scenes", "info"),
-     ("scenes", "generate"), ("scenes", "export"), ("bench",)],
+    [(), *((name,) for name in COMMANDS), ("scenes", "info"), ("scenes", "generate"),
+     ("scenes", "export")],
 )  # fmt: skip
 def test_help_everywhere(capsys: pytest.CaptureFixture[str], command: tuple[str, ...]) -> None:
     with pytest.raises(SystemExit) as exit_info:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from ball_frames import frame
 from drawn_map import drawn_map, reach_from
@@ -81,10 +82,11 @@ def test_elsewhere_the_camera_stays_level_but_on_a_flight_it_does_not() -> None:
     ]
 
 
-def test_the_lowest_known_treads_of_a_flight_are_such_a_place() -> None:
+@pytest.mark.parametrize("rise_m", [-0.1, 0.1])
+def test_the_last_known_treads_of_a_flight_are_such_a_place(rise_m: float) -> None:
     hall = drawn_map("##########", "#........#", "#........#", "##########", enlarged=4)
     heights = np.full(hall.grid.cells.shape, np.nan, np.float32)
-    heights[12:28, 4:12] = -0.1 * np.arange(1, 17)[:, None]
+    heights[12:28, 4:12] = rise_m * np.arange(1, 17)[:, None]
     view = replace(hall, grid=replace(hall.grid, stairs=heights))
     [flight] = DropEdges().clusters(view, reach_from(view, (0.8, 0.8)))
     assert flight.nearest[0] > 2.4

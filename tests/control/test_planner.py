@@ -37,6 +37,7 @@ def test_clearance_is_the_distance_to_the_nearest_occupied_cell() -> None:
     cells = rng.choice([FREE, FREE, FREE, UNKNOWN, OCCUPIED], (25, 18)).astype(np.int8)
     grid = OccupancyGrid(cells, (-1.0, 2.0), R)
     clearance = PLANNER.clearance(grid, FAR)
+    careful = Planner(PlannerConfig(tight_weight=10.0)).clearance(grid, FAR)
     occupied = np.argwhere(cells == OCCUPIED)
     for i, j in np.ndindex(cells.shape):
         centers = R * np.hypot(*(occupied - (i, j)).T).min()
@@ -44,6 +45,9 @@ def test_clearance_is_the_distance_to_the_nearest_occupied_cell() -> None:
         assert clearance.traversable[i, j] == (cells[i, j] == FREE and centers > 0.18)
         shortfall = min(max(0.0, 1.0 - (centers - R / 2) / 0.5), 1.0)
         assert clearance.step_cost[i, j] == pytest.approx(1.0 + 3.0 * shortfall**2)
+        tight = min(max(0.0, 1.0 - (centers - R / 2) / 0.18), 1.0)
+        more = 1.0 + 3.0 * shortfall**2 + 10.0 * tight**2
+        assert careful.step_cost[i, j] == pytest.approx(more)
 
 
 def test_open_space_has_no_clearance_to_lose() -> None:
@@ -171,6 +175,20 @@ def test_doors_stay_passable_wherever_the_grid_lies(width: float, offset: float)
     path = field.path_from((1.0, 0.2))
     crossing = path[np.argmin(np.abs(path[:, 1] - 1.55)), 0]
     assert crossing == pytest.approx((low + high) / 2, abs=0.12)
+
+
+def test_a_gap_that_may_be_just_wide_enough_is_crossed_only_when_it_must_be() -> None:
+    cells = np.full((20, 20), FREE, np.int8)
+    cells[:9, 11] = cells[11:, 8] = OCCUPIED  # two corners, 0.32 m apart
+    grid = OccupancyGrid(cells, (0.0, 0.0), R)
+    goal, start = (1.0, 1.7), (1.0, 0.3)
+
+    def cost(squeeze: bool) -> float:
+        clearance = PLANNER.clearance(grid, FAR, squeeze=squeeze)
+        return float(PLANNER.cost_field(clearance, goal).at(start))
+
+    assert math.isinf(cost(squeeze=False))
+    assert math.isfinite(cost(squeeze=True))
 
 
 def flight(rise_m: float) -> OccupancyGrid:

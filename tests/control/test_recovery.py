@@ -122,6 +122,16 @@ def test_repeated_bumps_at_one_place_block_it_though_the_map_explains_them() -> 
     assert len(bumps.obstacles(grid)) == 4
 
 
+def test_what_the_agent_came_through_is_no_obstacle() -> None:
+    bumps = BumpMemory(CONFIG)
+    bumps.stand((0.3, 0.05))
+    for yaw_deg in (0.0, 30.0, 90.0):
+        bumps.add(pose(yaw_deg=yaw_deg))
+    felt = bumps.obstacles(open_grid())
+    np.testing.assert_allclose(felt, [(0.0, 0.25)], atol=1e-12)
+    assert is_barred(bumps, (0.0, 0.0), 0.0, open_grid()), "it has to aim better"
+
+
 def test_bumps_off_the_map_are_felt() -> None:
     bumps = BumpMemory(CONFIG)
     bumps.add(pose(x=50.0))
@@ -156,6 +166,17 @@ def test_standing_still_or_going_to_and_fro_stalls(xs: list[float]) -> None:
     calls = calls_until_stalled(ProgressMonitor(CONFIG), xs, corridor())
     assert calls is not None
     assert CONFIG.window_steps <= calls <= CONFIG.window_steps + len(xs)
+
+
+def test_the_same_pose_for_the_third_time_is_a_circle() -> None:
+    monitor = ProgressMonitor(CONFIG)
+    turn_there = [pose(yaw_deg=30.0 * k) for k in range(6)]
+    turn_back = [pose(x=0.25, yaw_deg=180.0 + 30.0 * k) for k in range(6)]
+    to_and_fro = [*turn_there, *turn_back]
+    assert not any(monitor.circles(p) for p in [*to_and_fro, *to_and_fro])
+    assert monitor.circles(pose())
+    monitor.restart()
+    assert not monitor.circles(pose())
 
 
 def test_a_new_goal_is_given_new_patience() -> None:

@@ -16,6 +16,7 @@ from toponav.control.search_plan import (
     frontier_towards,
     is_on_stairs,
     landing,
+    off_this_floor,
     ranked_frontiers,
 )
 from toponav.geometry import Pose
@@ -35,14 +36,15 @@ HALL = drawn_map(
 NOTHING = Belief({}, np.zeros((0, 2)))
 
 
-def chosen_x(view: MapView, x: float, belief: Belief = NOTHING) -> float:
+def chosen_x(view: MapView, x: float, belief: Belief = NOTHING, beyond: float = 0.5) -> float:
+    """Where the first frontier is; stairs promise `beyond`."""
     here = (x, 1.5)
     reach, clusters = reach_from(view, here), clusters_from(view, here)
     planner, config = Planner(PlannerConfig()), SearchPlanConfig()
     on_stairs = [is_on_stairs(cluster, view) for cluster in clusters]
-    places = ([], [])
-    for cluster, stairs in zip(clusters, on_stairs, strict=True):
-        places[stairs].append(cluster)
+    frontiers = [c for c, stairs in zip(clusters, on_stairs, strict=True) if not stairs]
+    stairs = [c for c, stairs in zip(clusters, on_stairs, strict=True) if stairs]
+    places = (frontiers, [off_this_floor(c, beyond, "", on_stairs=True) for c in stairs])
     first = ranked_frontiers(places, belief, view, reach, planner, config)[0]
     return float(first.waypoint[0])
 
@@ -84,20 +86,15 @@ def with_stairs(below_x: float) -> MapView:
     return replace(HALL, grid=replace(HALL.grid, stairs=heights))
 
 
-def test_stairs_are_left_for_last() -> None:
+def test_stairs_wait_for_what_is_near_on_this_floor_but_not_for_ever() -> None:
     assert chosen_x(HALL, 2.0) < 1.0
     assert chosen_x(with_stairs(0.8), 2.0) > 6.0
+    assert chosen_x(with_stairs(0.8), 2.0, beyond=50.0) < 1.0
 
 
 def test_a_glimpse_of_the_target_outweighs_the_way() -> None:
     glimpse = Glimpse(np.array([9.0, 1.5]), 0.0, score=0.5)
     assert chosen_x(HALL, 1.5, Belief({}, NOTHING.guided, (glimpse,))) > 6.0
-
-
-def test_a_target_seen_on_another_storey_draws_to_the_stairs() -> None:
-    view, here = with_stairs(0.8), (5.0, 1.5)
-    assert chosen_x(view, here[0]) > 6.0
-    assert chosen_x(view, 3.0, Belief({}, NOTHING.guided, elsewhere=True)) < 1.0
 
 
 def test_from_a_flight_the_landing_is_the_nearest_place_off_it() -> None:

@@ -130,7 +130,8 @@ def test_the_neighbours_are_all_moves_of_at_most_two_that_pass_no_cell_centre() 
 def test_costs_between_cells_are_those_of_searches_from_each(seed: int, within: float) -> None:
     traversable, cell_cost, cells = random_case(seed)
     cells = np.vstack([cells, cells[:1]])
-    between = costs_between(traversable, cell_cost, cells, within)
+    limits = np.full((len(cells), len(cells)), within)
+    between = costs_between(traversable, cell_cost, cells, limits)
     for k, cell in enumerate(cells):
         cost, _ = shortest_paths(traversable, cell_cost, cell[None], EVERYWHERE)
         expected = cost[tuple(cells.T)]

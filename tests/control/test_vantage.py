@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -85,6 +87,14 @@ def test_behind_a_wall_it_goes_round_to_see_the_target() -> None:
     assert horizontal_gap(spot, CHAIR) <= CONFIG.farthest_stop_m
 
 
+def test_not_through_a_wall_whose_far_side_was_not_mapped() -> None:
+    """What is known of the wall behind the chair lies as near to it as its own edges."""
+    face = block((2.95, 0.0, 0.0), (2.95, 1.8, 2.5))
+    spot, _ = spot_for(CHAIR, face)
+    assert spot is not None
+    assert spot[0] > 2.95 or spot[1] > 1.2
+
+
 def test_a_target_that_cannot_be_approached_is_seen_from_as_near_as_one_gets() -> None:
     """A bowl in the middle of a table 1.1 m deep on each side of it, too high to hide it."""
     bowl = block((3.0, 1.4, 0.8), (3.1, 1.5, 0.85))
@@ -100,6 +110,18 @@ def test_a_target_that_cannot_be_approached_is_seen_from_as_near_as_one_gets() -
 @pytest.mark.parametrize("closed", [block((1.5, 0.0, 0.0), (1.6, 3.0, 2.5))])
 def test_no_spot_beyond_a_closed_wall(closed: np.ndarray) -> None:
     assert spot_for(CHAIR, closed)[0] is None
+
+
+def test_a_flight_beside_the_target_is_no_place_to_stop() -> None:
+    view, reach = room(CHAIR)
+    free = vantage_point(CHAIR, TRACKER, view, reach, EYE_M)
+    assert free is not None
+    heights = np.full(view.grid.cells.shape, np.nan, np.float32)
+    heights[:30] = 1.2
+    raised = replace(view, grid=replace(view.grid, stairs=heights))
+    spot = vantage_point(CHAIR, TRACKER, raised, reach, EYE_M)
+    assert spot is not None
+    assert free[0] < 3.0 < spot[0]
 
 
 def test_no_spot_for_a_target_that_is_not_mapped() -> None:

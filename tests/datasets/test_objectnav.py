@@ -21,7 +21,7 @@ from toponav.datasets import (
     check_objectnav,
     is_objectnav_file,
     load_objectnav,
-    missing_scene_message,
+    missing_file,
     save_objectnav,
     scene_file,
 )
@@ -212,8 +212,9 @@ def test_a_missing_scene_is_named_with_its_place(
     assert version_of(scene_id) is version
     expected = Path("data") / "scene_datasets" / scene_id
     assert scene_file(scene_id, Path("data")) == expected
-    message = missing_scene_message(scene_id, Path("data"))
-    assert message.startswith(f"{expected}: no such scene")
+    message = missing_file(scene_id, Path("data"))
+    assert message is not None
+    assert message.startswith(f"{expected}: no such file")
     assert hint in message
 
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import importlib.util
+import re
 from pathlib import Path
 
 import pytest
 
-from docs_commands import NEEDS, Block, blocks, commands_in_tables, commands_of
+from docs_commands import NEEDS, ROOT, Block, blocks, commands_in_tables, commands_of, pages
 from toponav.cli.main import main, parse
+from toponav.config import with_overrides
+from toponav.evaluation.run_config import run_config
 
 BLOCKS = blocks()
 RUN = [block for block in BLOCKS if block.needs is None]
@@ -50,8 +53,9 @@ def test_the_commands_run(block: Block, tmp_path: Path, monkeypatch: pytest.Monk
         if wanted and importlib.util.find_spec(module) is None:
             pytest.skip(f"needs the extra viz ({module})")
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    if block.commands[0][0] == "render":
+    if block.commands[0][0] in {"render", "report"}:  # of the search that the page ran before
         assert main(["demo", "--seed", "6", "--quiet"]) == 0
     for command in block.commands:
         words = [name for word in command for name in expanded(word)]
@@ -61,3 +65,31 @@ def test_the_commands_run(block: Block, tmp_path: Path, monkeypatch: pytest.Monk
 def expanded(word: str) -> list[str]:
     """What a shell makes of a word."""
     return sorted(map(str, Path().glob(word))) if "*" in word else [word]
+
+
+@pytest.mark.parametrize("page", pages(), ids=lambda page: page.name)
+def test_settings_that_pages_name_are_known(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    for key, value in re.findall(r"\b((?:navigator|reasoning|env)\.[\w.]+)=([^\s`]+)", text):
+        with_overrides(run_config("default"), {key: value})
+
+
+def test_examples_that_pages_show_are_there() -> None:
+    marks = [
+        (page.name, line)
+        for page in pages()
+        for line in page.read_text(encoding="utf-8").splitlines()
+        if re.match(r"-+ ?8 ?<", line)
+    ]
+    assert len(marks) >= 3
+    for name, line in marks:
+        included = re.fullmatch(r'--8<-- "(examples/\w+\.py)"', line)
+        assert included is not None, f"{name}: not what includes a file: {line}"
+        assert (ROOT / included[1]).is_file(), line
+
+
+def test_the_links_of_the_readme_lead_somewhere() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    links = [link for link in re.findall(r"\]\(([^)#]+)", text) if "://" not in link]
+    assert len(links) > 20
+    assert [link for link in links if not (ROOT / link).exists()] == []

@@ -5,7 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from toponav.mapping.flights import beside_unknown, ends_of_flights, filled_flights
+from toponav.mapping.flights import (
+    beside_unknown,
+    ends_of_flights,
+    filled_flights,
+    tread_heights,
+)
 from toponav.mapping.view import DROP, FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 
 LANDING, WIDTH, TREADS = 10, 8, 14
@@ -81,3 +86,13 @@ def test_what_borders_on_the_unknown() -> None:
     grid = OccupancyGrid(cells, (0.0, 0.0), 0.1, heights)
     centers = grid.center_of([[LANDING + TREADS - 1, 4], [LANDING, 4], [0, 4]])
     assert beside_unknown(grid, centers).tolist() == [True, False, True]
+
+
+def test_a_foot_that_reaches_over_the_next_tread_does_not_lift_it() -> None:
+    grid = OccupancyGrid(np.full((5, 1), FREE, np.int8), (0.0, 0.0), 0.1)
+    seen = np.array([[0.05, 0.05, 0.8], [0.15, 0.05, 0.6], [0.15, 0.05, 0.5]], np.float32)
+    stood = np.array([[0.05, 0.05, 0.8], [0.15, 0.05, 0.8], [0.25, 0.05, 0.8]], np.float32)
+    heights = tread_heights(grid, seen, stood, floor_z=1.0)
+    assert heights is not None
+    np.testing.assert_allclose(heights[:, 0], [-0.2, -0.4, -0.2, np.nan, np.nan], rtol=1e-5)
+    assert tread_heights(grid, seen[:0], stood[:0], floor_z=1.0) is None

@@ -57,7 +57,7 @@ class Lockstep:
         labels = LabelImageDetector()
         self.reader = FrameReader(robot.camera, labels)
         self.watchdog = Watchdog(robot.watchdog)
-        guard = ObstacleGuard(robot.guard, robot.motion.acceleration)
+        guard = ObstacleGuard(robot.guard, robot.footprint, robot.motion)
         motion = robot.motion
         continuity = PoseContinuity(motion.max_speed, motion.max_turn_rate)
         self.senses = Senses(self.reader, continuity, self.watchdog, guard, robot.camera.slop_s)

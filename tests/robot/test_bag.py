@@ -13,15 +13,20 @@ from toponav.cli.main import BAD_USAGE, main
 from toponav.errors import RecordingError
 from toponav.evaluation.mapping_run import map_recording
 from toponav.geometry import Pose
+from toponav.robot.bag_import import TRANSFORM_DEFINITION, TRANSFORM_TYPE
 from toponav.robot.bag_recording import is_bag, open_bag
 from toponav.robot.bag_writer import BagWriter
-from toponav.robot.config import RobotConfig, navigator_config
+from toponav.robot.config import RobotConfig, navigator_config, robot_config
+from toponav.robot.frames import camera_mount
 from toponav.robot.sim_env import RobotEnv
 from toponav.scenes.loading import load_scene
 
 pytest.importorskip("rosbags", reason="needs the extra bags")
 
 FRAMES = 6
+
+LIFT = Pose.from_yaw(0.3, (0.1, 0.0, 0.3))
+"""Any frame between the base and the camera."""
 
 
 def stamp(types, name: str, time_s: float):
@@ -32,10 +37,12 @@ class Messages:
     """The messages of a robot that turns in place, in either of ROS's generations."""
 
     def __init__(self, *, ros1: bool) -> None:
-        from rosbags.typesys import Stores, get_typestore
+        from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
         self.ros1 = ros1
         self.store = get_typestore(Stores.ROS1_NOETIC if ros1 else Stores.ROS2_KILTED)
+        of_tf = TRANSFORM_DEFINITION, TRANSFORM_TYPE
+        self.store.register(get_types_from_msg(*of_tf))
         self.robot = RobotConfig()
         self.env = RobotEnv(load_scene("generated:6"), self.robot, (80, 60))
         episode = self.env.episode()
@@ -43,11 +50,11 @@ class Messages:
         self.env.reset(seed=0, options={"target": episode.target, "start": start})
         self.poses: list[Pose] = []
 
-    def header(self, time_s: float):
+    def header(self, time_s: float, frame: str = "odom"):
         types = self.store.types
         more = {"seq": 0} if self.ros1 else {}
         at = stamp(types, "builtin_interfaces/msg/Time", time_s)
-        return types["std_msgs/msg/Header"](stamp=at, frame_id="odom", **more)
+        return types["std_msgs/msg/Header"](stamp=at, frame_id=frame, **more)
 
     def odometry(self, time_s: float):
         types = self.store.types
@@ -87,7 +94,7 @@ class Messages:
         names["p"] = np.zeros(12)
         matrices = {key.upper() if self.ros1 else key: value for key, value in names.items()}
         return types["sensor_msgs/msg/CameraInfo"](
-            header=self.header(time_s),
+            header=self.header(time_s, "camera_color_optical_frame"),
             height=camera.height,
             width=camera.width,
             distortion_model="plumb_bob",
@@ -97,12 +104,30 @@ class Messages:
             **matrices,
         )
 
+    def transforms(self, time_s: float):
+        """Where the camera sits, over a frame between."""
+        types = self.store.types
+        mount = camera_mount(self.robot.camera)
+        links = []
+        for parent, child, pose in (
+            ("base_footprint", "trunk", LIFT),
+            ("trunk", "camera_color_optical_frame", LIFT.inverse() @ mount),
+        ):
+            header = self.header(time_s, parent)
+            place = types["geometry_msgs/msg/Vector3"](*map(float, pose.translation))
+            turn = types["geometry_msgs/msg/Quaternion"](*map(float, pose.quaternion_xyzw))
+            transform = types["geometry_msgs/msg/Transform"](translation=place, rotation=turn)
+            stamped = types["geometry_msgs/msg/TransformStamped"]
+            links.append(stamped(header=header, child_frame_id=child, transform=transform))
+        return types["tf2_msgs/msg/TFMessage"](transforms=links)
+
     def __iter__(self):
         """(topic, time, message) of each."""
         camera = self.robot.camera
         names = [instance.category for instance in self.env.scene.mesh.instances]
         string = self.store.types["std_msgs/msg/String"](data=json.dumps(names))
         yield camera.names_topic, 1.0, string
+        yield "tf_static", 1.0, self.transforms(1.0)
         yield self.robot.pose_topic, 1.0, self.odometry(1.0)
         for k in range(FRAMES):
             time_s = 2.0 + k
@@ -148,6 +173,21 @@ def test_every_frame_comes_back_at_its_pose(bags) -> None:
     assert len(frames) == len(recording) == FRAMES
     for frame, pose in zip(frames, bags.poses, strict=True):
         np.testing.assert_allclose(frame.world_from_base.matrix, pose.matrix, atol=1e-9)
+
+
+def test_a_camera_placed_by_tf_sees_the_same_as_one_placed_by_the_robot_s_file(bags) -> None:
+    by_tf = robot_config("generic", {"camera": {"extrinsics": "tf", "xyz": (9.0, 9.0, 9.0)}})
+    for path in (bags.one, bags.two):
+        for told, fixed in zip(open_bag(path, by_tf), open_bag(path, RobotConfig()), strict=True):
+            np.testing.assert_allclose(
+                told.world_from_camera.matrix, fixed.world_from_camera.matrix, atol=1e-9
+            )
+
+
+def test_a_frame_that_tf_does_not_tell_is_named(bags) -> None:
+    robot = robot_config("generic", {"camera": {"extrinsics": "tf", "base_frame": "pelvis"}})
+    with pytest.raises(RecordingError, match="no transform from pelvis to camera_color_optical"):
+        list(open_bag(bags.two, robot))
 
 
 def test_ros_1_and_ros_2_give_the_same_map_with_objects(bags) -> None:

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from toponav.geometry import Intrinsics, Pose
 from toponav.robot.config import CameraConfig
+from toponav.robot.footprint import Footprint
 from toponav.robot.frames import FrameReader
 from toponav.robot.intent import Follow, Turn
 from toponav.robot.motion import STILL, MotionConfig, Twist, motion_of, within_limits
@@ -82,7 +83,7 @@ class Robot:
 
     def __init__(self, keep_out=()) -> None:
         self.watchdog = Watchdog(WatchdogConfig(keep_out=keep_out))
-        self.guard = ObstacleGuard(GuardConfig(), CONFIG.acceleration)
+        self.guard = ObstacleGuard(GuardConfig(), Footprint(), CONFIG)
         self.pilot = Pilot(CONFIG, self.watchdog, self.guard)
         self.body = Unicycle()
         self.pilot.begin(AHEAD, self.body.pose)
@@ -93,7 +94,7 @@ class Robot:
         if fed:
             self.watchdog.depth_came(now_s)
             self.watchdog.pose_came(now_s)
-            self.guard.see(FLOOR, CAMERA, pose @ PLACED, pose.translation, now_s)
+            self.guard.see(FLOOR, CAMERA, pose @ PLACED, pose, now_s)
         twist = self.pilot.tick(pose, pose, now_s)
         self.body.move(twist, 0.05)
         return twist

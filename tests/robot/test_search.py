@@ -83,6 +83,22 @@ def test_a_cancelled_robot_stands_and_a_new_goal_is_searched_for_with_the_map_ke
     assert_found(robot)
 
 
+def test_a_goal_that_changes_on_the_way_is_searched_for_instead() -> None:
+    robot = searching()
+    robot.run_until_speed(0.35)
+    known = len(robot.agent.knowledge.semantic_map.view().scene)
+    other = next(name for name in ("bed", "sofa", "chair") if name in robot.env.oracle.categories())
+    assert other != robot.target
+    robot.search.start(other)
+    assert robot.search.goal == other
+    robot.tick()
+    assert len(robot.agent.knowledge.semantic_map.view().scene) >= known
+    robot.run(240.0)
+    assert robot.search.status is Status.DONE, robot.search.reason
+    viewpoints = robot.env.surface.distance_field(robot.env.oracle.viewpoints(other))
+    assert viewpoints.at(robot.env.position) < 0.25
+
+
 def test_an_error_of_the_agent_stops_the_robot_and_says_so(monkeypatch) -> None:
     robot = searching()
     robot.run_until_speed(0.35)

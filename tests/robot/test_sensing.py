@@ -105,7 +105,7 @@ def test_every_profile_makes_a_robot_and_an_agent_that_fits_it(name, tmp_path) -
     config = navigator_config(robot)
     assert config.panorama.views == robot.panorama_views
     assert config.panorama.spacing_deg * robot.panorama_views >= 359.0
-    assert config.locomotion.planner.radius_m > robot.radius_m
+    assert config.locomotion.planner.radius_m >= robot.footprint.turning_radius_m
     path = tmp_path / "robot.yaml"
     path.write_text(robot_yaml(robot))
     assert robot_config(str(path)) == robot
@@ -120,5 +120,14 @@ def test_a_file_overrides_its_profile_and_unknown_keys_are_named(tmp_path) -> No
     path.write_text("motion:\n  max_sped: 0.2\n")
     with pytest.raises(ConfigError, match="max_sped"):
         robot_config(str(path))
+    for impossible, said in (
+        ("pose_topic: my pose", "pose_topic"),
+        ("watchdog: {keep_out: [[[0, 0], [1, 1]]]}", "keep_out"),
+        ("camera: [1, 2", "not YAML"),
+        ("- generic", "not a mapping"),
+    ):
+        path.write_text(impossible)
+        with pytest.raises(ConfigError, match=said):
+            robot_config(str(path))
     with pytest.raises(ConfigError, match="known: generic"):
         robot_config("rover")

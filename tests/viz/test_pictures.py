@@ -6,13 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import Image
+from PIL import Image, ImageDraw
 
 from toponav.mapping.view import FREE, OCCUPIED, MapView, OccupancyGrid, PointCloud
 from toponav.memory.graph import TopologicalMemory
 from toponav.reasoning.base import PanoramaView, SeenObject
 from toponav.reasoning.schema import Guidance
 from toponav.reasoning.vlm.panorama_sheet import SheetLayout
+from toponav.viz.film import save_film
 from toponav.viz.panorama import CHOSEN, VERDICT_HEIGHT, VIEW_WIDTH, draw_panorama, save_panorama
 from toponav.viz.topdown import TopDownPicture, draw_topdown, save_topdown
 
@@ -99,3 +100,17 @@ def test_a_label_is_drawn_not_interpreted(tmp_path: Path) -> None:
     views = [PanoramaView(np.zeros((3, 4, 3), np.uint8), 0.0, (hostile,), 0.0, 0)]
     save_panorama(views, None, "bed", tmp_path / "p.jpg")
     assert Image.open(tmp_path / "p.jpg").size[0] == VIEW_WIDTH
+
+
+def test_a_film_of_few_colours_keeps_those_of_thin_lines(tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    page = Image.fromarray(rng.integers(120, 230, (240, 320, 3), dtype=np.uint8))
+    draw = ImageDraw.Draw(page)
+    lines = {60: (24, 100, 171), 120: (43, 138, 62), 180: (163, 60, 192)}
+    for y, color in lines.items():
+        draw.line([(140, y), (180, y)], fill=color, width=2)
+    assert save_film(iter([page, page]), tmp_path / "film.gif", rate=2.0) == 2
+    with Image.open(tmp_path / "film.gif") as film:
+        shown = np.asarray(film.convert("RGB"))
+    for y, color in lines.items():
+        assert np.abs(shown[y, 160].astype(int) - color).max() < 40

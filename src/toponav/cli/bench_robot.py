@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from toponav.cli.options import JsonFlag
+from toponav.cli.options import JsonFlag, OffFlag
 from toponav.errors import InputError, TopoNavError
 
 if TYPE_CHECKING:
@@ -34,6 +34,9 @@ class RobotBench:
 
     camera_hz: float = 15.0
     """Images a second."""
+
+    drift: OffFlag = False
+    """Let the pose drift and the depth be noisy, as sim-robot --drift does."""
 
     bump_speed: float = 0.1
     """A collision above this speed (m/s) fails the run."""
@@ -65,11 +68,12 @@ class RobotBench:
                     drive,
                     self.camera,
                     self.camera_hz,
+                    faults=("--drift",) if self.drift else (),
                     timeout_s=self.timeout_s,
                 )
                 folder = self.out / f"{drive}_{house.replace(':', '_')}_{target}"
                 result = run_trial(trial, folder)
-                good = result.found and result.sim["bump_speed"] <= self.bump_speed
+                good = result.found and result.sim["bump_speed"] <= self.bump_speed + 1e-6
                 failed += not good
                 line = f"{drive:9s} {house} {target}: {_trial_line(result)}"
                 output.say(line)
@@ -138,6 +142,9 @@ class FaultBench:
     camera: str = "320x240"
     """Image size, WIDTHxHEIGHT."""
 
+    drift: OffFlag = False
+    """Let the pose drift and the depth be noisy beside each fault."""
+
     longest_stop_s: float = 1.5
     """A robot that takes longer to stand still fails."""
 
@@ -164,7 +171,12 @@ class FaultBench:
             raise InputError(f"unknown fault {unknown[0]!r}; known: {', '.join(FAULTS)}")
         output = Output(self.json)
         trial = TrialConfig(
-            self.house, self.target, self.robot, camera=self.camera, timeout_s=self.timeout_s
+            self.house,
+            self.target,
+            self.robot,
+            camera=self.camera,
+            faults=("--drift",) if self.drift else (),
+            timeout_s=self.timeout_s,
         )
         lines, outcomes, failed = [], [], 0
         for name in names:

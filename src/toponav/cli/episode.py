@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from toponav.categories import readable
 from toponav.cli.console import Output
+from toponav.cli.progress import EpisodeDisplay
 from toponav.config import config_json
 from toponav.evaluation.explanation import ExplanationRecorder
 from toponav.evaluation.model_files import ModelFiles
@@ -85,21 +86,32 @@ class Narrator:
     """Tells and draws an episode as it goes; never steers it."""
 
     output: Output
+    display: EpisodeDisplay
     folder: Path
     target: str
     every_steps: int = 50
+    walked_m: float = 0.0
     positions: list[NDArray[np.float64]] = field(default_factory=list)
     memory: TopologicalMemory | None = None
     map_view: MapView | None = None
 
     def on_step(self, observation: Observation, action: Action) -> None:
         """Remember the path; say now and then how far the episode is."""
-        self.positions.append(observation.world_from_base.translation)
-        if observation.step and observation.step % self.every_steps == 0:
-            self.output.say(f"step {observation.step:3d}  {action.name.lower()}")
+        del action
+        position = observation.world_from_base.translation
+        if self.positions:
+            self.walked_m += float(np.linalg.norm(position - self.positions[-1]))
+        else:
+            self.display.enter("looking around")
+        self.positions.append(position)
+        self.display.advance(observation.step, self.walked_m)
+        quiet_for_long = observation.step and observation.step % self.every_steps == 0
+        if quiet_for_long and not self.display.live:
+            self.output.say(f"step {observation.step:3d}  {self.walked_m:.1f} m walked")
 
     def on_decision(self, decision: Decision) -> None:
         """Say what was decided and why, and draw the panorama it rests on."""
+        self.display.enter(decision.phase.value)
         where = "" if decision.memory is None else f"  at node {decision.memory.current}"
         self.output.say(
             f"step {decision.step:3d}  {decision.phase.value}{where}  {_reasoning(decision)}"
@@ -145,9 +157,21 @@ def run_one(
         InputError: The method keeps nothing of what it has learnt, or what was asked to be shown
             live cannot be.
     """
-    folder = files.folder
     check_parts(config)
     check(files.live)
+    with EpisodeDisplay(output, config.env.max_steps) as display:
+        return _run_one(scene, config, wish, files, output, display)
+
+
+def _run_one(
+    scene: Scene,
+    config: RunConfig,
+    wish: EpisodeWish,
+    files: EpisodeFiles,
+    output: Output,
+    display: EpisodeDisplay,
+) -> FinishedEpisode:
+    folder = files.folder
     runner = SceneRunner(scene, config)
     spec = runner.spec(0, runner.env.episode(wish.target, wish.start, config.seed))
     runner.check(spec)
@@ -157,7 +181,7 @@ def run_one(
     request = RunRequest(source=files.source, labels=files.labels, episodes=1)
     write_atomic(folder / RUN_FILE, config_json(request))
     recorder = EpisodeRecorder(folder)
-    narrator = Narrator(output, folder, spec.episode.target)
+    narrator = Narrator(output, display, folder, spec.episode.target)
     output.say(f"searching for a {readable(spec.episode.target)} in {scene.name}")
     access = ModelFiles(folder, files.cache).access(spec.scene, spec.index)
     explainer = ExplanationRecorder(folder, spec.episode.target, access.log)
@@ -165,6 +189,7 @@ def run_one(
     with watching(files.live, spec.episode.target, name) as live:
         watchers = (recorder, narrator) if live is None else (recorder, narrator, live)
         result = runner.run(spec, watchers, (*watchers, explainer), access, wish.known)
+    display.enter("drawing")
     if files.live.record is not None:
         output.say(f"recording: {files.live.record} (open it with: rerun {files.live.record})")
     write_atomic(folder / RESULT_FILE, to_json(result) + "\n")

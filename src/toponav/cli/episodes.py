@@ -57,12 +57,12 @@ class Episodes:
             raise TopoNavError(f"{self.file}: {len(report.problems)} problems, listed above")
 
     def _missing(self, episodes: list[ObjectNavEpisode]) -> list[str]:
-        """A line for each scene that is not there."""
-        from toponav.datasets import missing_scene_message, scene_file
+        """A line for each scene that is not there or not whole."""
+        from toponav.datasets import missing_file
 
         ids = dict.fromkeys(episode.scene_id for episode in episodes)
-        absent = [scene_id for scene_id in ids if not scene_file(scene_id, self.data).is_file()]
-        return [f"missing  {missing_scene_message(scene_id, self.data)}" for scene_id in absent]
+        told = (missing_file(scene_id, self.data) for scene_id in ids)
+        return [f"missing  {line}" for line in told if line is not None]
 
 
 def _line(episode: ObjectNavEpisode) -> str:

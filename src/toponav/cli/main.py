@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
+from importlib.metadata import version
 from typing import Annotated
 
 import tyro
@@ -27,6 +28,7 @@ from toponav.cli.scenes import Scenes
 from toponav.cli.study import Study
 from toponav.cli.table import Table
 from toponav.errors import InputError, TopoNavError
+from toponav.registry import unknown
 
 Command = (
     Annotated[Demo, tyro.conf.subcommand("demo")]
@@ -46,16 +48,27 @@ Command = (
     | Annotated[Bench, tyro.conf.subcommand("bench")]
 )
 
+COMMANDS = (
+    "demo", "run", "eval", "study", "table", "report", "render", "episodes", "reasoner", "map",
+    "scenes", "ros2", "sim-robot", "record", "bench",
+)  # fmt: skip
+
 OK, FAILED_RUN, BAD_USAGE = 0, 1, 2
+ROS_COMMANDS = ("ros2", "sim-robot", "record")
+"""Commands whose `--ros-args` (remappings, parameters) rclpy reads from the process's arguments."""
+
 INTERRUPTED = 130
 """What shells expect after Ctrl-C: 128 + SIGINT."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns its exit code. Usage errors of the parser exit with 2."""
-    command = parse(arguments)
+    words = sys.argv[1:] if arguments is None else list(arguments)
+    if words == ["--version"]:
+        sys.stdout.write(f"toponav {version('toponav')}\n")
+        return OK
     try:
-        command.run()
+        parse(words).run()
     except InputError as error:
         return _report(error, BAD_USAGE)
     except TopoNavError as error:
@@ -70,8 +83,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return OK
 
 
-def parse(arguments: Sequence[str] | None = None) -> Command:
-    """The command that arguments ask for, not yet run; usage errors exit with 2."""
+def parse(arguments: Sequence[str]) -> Command:
+    """The command that arguments ask for, not yet run; wrong options exit with 2.
+
+    Raises:
+        InputError: They name no command, or none that there is.
+    """
+    if not arguments:
+        raise InputError(f"give a command: {', '.join(COMMANDS)}; or --help")
+    if not arguments[0].startswith("-") and arguments[0] not in COMMANDS:
+        raise unknown("command", arguments[0], COMMANDS)
+    if "--ros-args" in arguments and arguments[0] in ROS_COMMANDS:
+        arguments = arguments[: arguments.index("--ros-args")]
     return tyro.cli(
         Command,
         prog="toponav",

@@ -21,6 +21,9 @@ JsonFlag = Annotated[bool, tyro.conf.arg(name="json"), tyro.conf.FlagCreatePairs
 
 QuietFlag = Annotated[bool, tyro.conf.FlagCreatePairsOff]
 
+OffFlag = Annotated[bool, tyro.conf.FlagCreatePairsOff]
+"""An option that is off unless it is given."""
+
 
 def answer_cache() -> Path:
     """Where a user's programs keep what can be had again."""
@@ -33,7 +36,8 @@ class AgentOptions:
     """Which agent searches, and how."""
 
     method: str = "toponav"
-    """toponav or a baseline; an unknown name lists them all."""
+    """toponav or a baseline; an unknown name lists them all. FILE.py:NAME is what a file of yours
+    registers, also for the detector and the reasoner."""
 
     preset: Literal["default", "paper"] = "default"
     """Parameter set: the paper's, or the best we can do."""
@@ -101,6 +105,10 @@ class RunOptions:
 
     episodes: int | None = None
     """Episodes in all, spread evenly over the scenes; by default those that the scenes bring."""
+
+    only: Literal["other-floor", "same-floor"] | None = None
+    """Of the episodes that the scenes bring, only those whose target is on another floor than the
+    start, or only the others."""
 
     workers: int = 1
     """Processes; more than one needs the extra `ray`. Results do not depend on it."""

@@ -1,11 +1,18 @@
-"""Live progress of a run: a bar in a terminal, a line an episode elsewhere."""
+"""Live progress of a run or an episode: a bar in a terminal, plain lines elsewhere."""
 
 from __future__ import annotations
 
 from types import TracebackType
 from typing import Self
 
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    SpinnerColumn,
+    TextColumn,
+    TimeRemainingColumn,
+)
 
 from toponav.categories import readable
 from toponav.cli.console import Output
@@ -53,6 +60,46 @@ class RunDisplay:
             self._output.say(
                 f"[{progress.done}/{progress.total}] {figures}  {episode_line(result)}"
             )
+
+
+class EpisodeDisplay:
+    """Tells in a terminal where one episode is: its stage, steps, metres, and the time left.
+
+    The time is what the steps up to the limit would take: most searches end before.
+    """
+
+    def __init__(self, output: Output, max_steps: int) -> None:
+        """Show progress on the output's stderr, of at most `max_steps` steps."""
+        self.live = output.progress.is_terminal
+        self._bar = Progress(
+            SpinnerColumn(), TextColumn("{task.description}"), BarColumn(bar_width=16),
+            MofNCompleteColumn(), TextColumn("steps{task.fields[walked]}, at most"),
+            TimeRemainingColumn(), TextColumn("left"),
+            console=output.progress, disable=not self.live, transient=True,
+        )  # fmt: skip
+        self._task = self._bar.add_task(
+            "getting ready (the first run compiles: up to a minute)", walked="", total=max_steps
+        )
+
+    def __enter__(self) -> Self:
+        self._bar.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._bar.stop()
+
+    def enter(self, stage: str) -> None:
+        """Name what is being done from now on."""
+        self._bar.update(self._task, description=stage)
+
+    def advance(self, step: int, walked_m: float) -> None:
+        """Tell how far the episode is."""
+        self._bar.update(self._task, completed=step, walked=f", {walked_m:.1f} m walked")
 
 
 class RunFigures:

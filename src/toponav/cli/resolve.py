@@ -42,6 +42,7 @@ def resolve_run(
     request = {
         "source": source,
         "episodes": options.episodes,
+        "only": options.only,
         "labels": options.labels,
         "data": options.data,
         "shard": shard,
@@ -74,6 +75,7 @@ def resolve_replay(
         "record": options.record,
         "explain": options.explain,
         "episodes": options.episodes or request.episodes,
+        "only": options.only or request.only,
         "cache": None,
         "max_cost": None,
         "replay": run.resolve(),

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
-from toponav.cli.options import JsonFlag
+from toponav.cli.options import JsonFlag, OffFlag
 
 if TYPE_CHECKING:
     import numpy as np
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from toponav.knowledge import Knowledge
     from toponav.robot.ros2_node import SearchNode
     from toponav.viz.topdown import TopDownPicture
-
-OffFlag = Annotated[bool, tyro.conf.FlagCreatePairsOff]
 
 
 @dataclass(frozen=True)
@@ -66,6 +64,9 @@ class Ros2:
     dry_run: OffFlag = False
     """Do everything but send commands."""
 
+    managed: OffFlag = False
+    """Wait for a lifecycle manager to configure and to activate the node."""
+
     show_robot: OffFlag = False
     """Print every value of --robot, as a YAML file to start from, and do nothing else."""
 
@@ -81,7 +82,7 @@ class Ros2:
         from toponav.robot.bag_writer import BagWriter
         from toponav.robot.config import robot_config, robot_yaml
         from toponav.robot.ros2_record import SearchRecorder
-        from toponav.robot.ros2_run import RunFiles, run_node
+        from toponav.robot.ros2_run import RunOptions, run_node
         from toponav.viz.topdown import save_topdown
 
         output = Output(self.json)
@@ -100,8 +101,8 @@ class Ros2:
             if self.record is not None:
                 bag = stack.enter_context(BagWriter(self.record))
                 watchers.append(partial(SearchRecorder, bag=bag, robot=task.robot))
-            files = RunFiles(self.memory, self.out, watchers)
-            status = run_node(task, self.target, self.timeout_s, files, output.say)
+            options = RunOptions(self.memory, self.out, watchers, self.managed)
+            status = run_node(task, self.target, self.timeout_s, options, output.say)
         if self.out is not None and isinstance(task.agent, RecallingAgent):
             picture = trail.picture(task.agent.knowledge, status["goal"], status["status"])
             save_topdown(picture, self.out / "topdown.png")

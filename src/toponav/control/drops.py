@@ -37,7 +37,7 @@ ON_FLIGHT_M = 0.3
 
 
 class DropEdge(FrontierCluster):
-    """An edge of the floor, or the lowest known treads of a flight: a place to look down from."""
+    """An edge of the floor, or the last known treads of a flight: a place to look down from."""
 
 
 class DropEdges:
@@ -63,24 +63,25 @@ class DropEdges:
         return (*self._edges(view, reach), *self._flights(view, reach))
 
     def _flights(self, view: MapView, reach: CostField) -> list[DropEdge]:
-        """The flights that lead down: on each, the lowest place that can be walked to."""
+        """The flights up and down: of each, the place farthest along that can be walked to."""
         if view.grid.stairs is None:
             return []
-        on_flight = np.isfinite(reach.cost) & (view.grid.stairs < -ON_FLIGHT_M)
+        height = np.abs(view.grid.stairs)
+        on_flight = np.isfinite(reach.cost) & (height > ON_FLIGHT_M)  # NaN, no stair, is not
         cells = np.argwhere(on_flight)
         labels = label_clusters(on_flight, cells, MIN_CELLS)
         found = []
         for label in range(labels.max(initial=-1) + 1):
             own = cells[labels == label]
-            lowest = own[np.argmin(view.grid.stairs[own[:, 0], own[:, 1]])]
-            spot = view.grid.center_of(lowest)
+            farthest = own[np.argmax(height[own[:, 0], own[:, 1]])]
+            spot = view.grid.center_of(farthest)
             if not self._is_known(spot, view.floor):
                 found.append(
                     DropEdge(
                         cells=view.grid.center_of(own),
                         reachable=np.ones(len(own), np.bool_),
                         nearest=np.array([*spot, view.floor_z]),
-                        path_cost=float(reach.cost[lowest[0], lowest[1]]),
+                        path_cost=float(reach.cost[farthest[0], farthest[1]]),
                     )
                 )
         return found

@@ -60,12 +60,14 @@ class Locomotion:
         self._goals = np.zeros((0, 2))
         self._walked: tuple[NDArray[np.float64], CostField] | None = None
         self._clearance: Clearance | None = None
+        self._squeezing = False
         self.progress = Progress.IDLE
 
     def observe(self, observation: Observation) -> None:
         """Learn from the last action; call once a step, before anything else."""
         self._walked = None
         self._clearance = None
+        self._bumps.stand(observation.world_from_base.translation)
         if observation.collided:
             self._bumps.add(observation.world_from_base)
 
@@ -73,8 +75,15 @@ class Locomotion:
         """Where the agent fits on the map as it is now."""
         here = observation.world_from_base.translation
         if self._clearance is None or self._clearance.grid is not grid:
-            self._clearance = self._planner.clearance(grid, here, self._bumps.obstacles(grid))
+            self._clearance = self._planner.clearance(
+                grid, here, self._bumps.obstacles(grid), squeeze=self._squeezing
+            )
         return self._clearance
+
+    def squeeze(self, squeezing: bool = True) -> None:
+        """From now on, walk through gaps that may be just wide enough, too; or no longer."""
+        if squeezing is not self._squeezing:
+            self._squeezing, self._clearance = squeezing, None
 
     def reach(self, observation: Observation, grid: OccupancyGrid) -> CostField:
         """Cost of walking from the agent to every cell of the known free space."""
@@ -107,7 +116,8 @@ class Locomotion:
             self.progress = Progress.ARRIVED
             return None
         action = None
-        if not self._monitor.stalled(xy, field):
+        circles = self._monitor.circles(observation.world_from_base)
+        if not (self._monitor.stalled(xy, field) or circles):
             barred = self._bumps.barring(xy, grid)
             action = self._follower.next_action(observation.world_from_base, field, barred)
         if action is None:

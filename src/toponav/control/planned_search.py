@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,14 +15,18 @@ from toponav.control.locomotion import Locomotion, LocomotionConfig
 from toponav.control.looks import Looks
 from toponav.control.planner import CostField, Planner
 from toponav.control.search_plan import (
+    GLIMPSED,
     Belief,
     SearchPlanConfig,
     frontier_towards,
     is_on_stairs,
     landing,
+    off_this_floor,
     ranked_frontiers,
 )
+from toponav.control.storeys import LEAST_PROMISE, Storeys
 from toponav.geometry import Pose
+from toponav.mapping.unknown_area import unknown_area_m2
 from toponav.mapping.view import MapView
 from toponav.policy.decision import WeighedFrontier
 from toponav.policy.glimpses import Glimpse
@@ -30,6 +35,29 @@ from toponav.types import Action, Observation
 
 SAME_FLIGHT_M = 5.0
 """What leads on from the flight on which the agent is lies no farther than this."""
+
+SQUEEZE_M = 5.0
+"""What a gap costs that may be too narrow, metres: trying it takes some steps."""
+
+SQUEEZE_FOR_M2 = 3.0
+"""Gaps that may be too narrow are tried only for so much unknown floor behind them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Standing:
+    """Where the agent is, and where it can walk.
+
+    Attributes:
+        foot_z: Height of its foot point, metres.
+        reach: Cost of walking from there to every cell.
+        squeezed: The same through gaps that may be too narrow; worked out when it is asked for.
+        admissible: (F,) which of the map's frontiers were not just tried in vain.
+    """
+
+    foot_z: float
+    reach: CostField
+    squeezed: Callable[[], CostField]
+    admissible: NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +108,10 @@ class PlannedSearch:
         self._looks = Looks()
         self._left_floor: int | None = None
         self._landing = False
+        self._revisiting = False
+        self._storeys = Storeys()
+        self.squeezes = False
+        """Whether the way to what was chosen leads through a gap that may be too narrow."""
         self._turns = 0
 
     @property
@@ -113,40 +145,66 @@ class PlannedSearch:
         return self._waypoint
 
     def set_out(
-        self,
-        hints: Hints,
-        foot_z: float,
-        view: MapView,
-        reach: CostField,
-        admissible: NDArray[np.bool_],
+        self, hints: Hints, standing: Standing, view: MapView
     ) -> NDArray[np.float64] | None:
         """The (3,) waypoint of the next frontier; None when none is left that can be reached.
 
         Args:
             hints: What speaks for some of the frontiers.
-            foot_z: Height of the agent's foot point, metres.
+            standing: Where the agent is.
             view: The map.
-            reach: Cost of walking from the agent to every cell.
-            admissible: (F,) which of `view.frontiers` were not just tried in vain.
         """
         self.leave()
-        frontiers, stairs = self._choices(view, reach, admissible)
-        if self._on_flight(foot_z, view) and self._left_floor == view.floor:
+        reach, on_flight = standing.reach, self._on_flight(standing.foot_z, view)
+        frontiers, stairs = self._choices(view, reach, standing.admissible)
+        behind_gaps: tuple[FrontierCluster, ...] = ()
+        if on_flight and self._left_floor == view.floor:
             # nobody turns round half-way
             own = tuple(end for end in stairs if end.path_cost <= SAME_FLIGHT_M)
             frontiers, stairs = ((), own) if own else (frontiers, stairs)
+        elif not frontiers and not on_flight:
+            reach = standing.squeezed()
+            frontiers, beyond = self._behind_gaps(view, reach, standing.admissible)
+            behind_gaps = (*frontiers, *(() if stairs else beyond))
+            stairs = stairs or beyond
         if not frontiers and not stairs:
             return None
         seen = {name: a for name, a in self._affinities().items() if name in view.objects}
         belief = Belief(seen, hints.guided, hints.glimpses, hints.elsewhere, self._looks)
-        choices = (frontiers, stairs)
+        off_floor = self._off_floor(stairs, belief, view, on_flight=on_flight)
+        choices = (frontiers, off_floor)
         self._weighed = ranked_frontiers(choices, belief, view, reach, self._planner, self._config)
+        if not on_flight:
+            self._storeys.note(view, sum(w.promise for w in self._weighed if not w.on_stairs))
         self._waypoint = self._weighed[0].waypoint
         chosen = next(c for c in (*frontiers, *stairs) if c.nearest is self._waypoint)
         self._drops.approach(chosen if isinstance(chosen, DropEdge) else None)
+        self.squeezes = chosen in behind_gaps
         if chosen in stairs:
             self._left_floor = view.floor
         return self._waypoint
+
+    def revisit(
+        self, places: NDArray[np.float64], view: MapView, reach: CostField
+    ) -> NDArray[np.float64] | None:
+        """The (3,) nearest known place that this search has not looked at from nearby, or None.
+
+        Where nothing is left to explore, things may have moved since an earlier search.
+
+        Args:
+            places: (N, 2) where an agent has been on this floor, metres.
+            view: The map.
+            reach: Cost of walking from the agent to every cell.
+        """
+        self.leave()
+        cost = reach.at(places)
+        for k in np.argsort(cost, kind="stable"):
+            unseen = math.isinf(self._looks.nearest_m(places[k], view, self._config.revisit_m))
+            if unseen and math.isfinite(cost[k]):
+                self._waypoint = np.array([*places[k], view.floor_z])
+                self._revisiting = True
+                return self._waypoint
+        return None
 
     def set_out_towards(
         self,
@@ -156,20 +214,21 @@ class PlannedSearch:
         admissible: NDArray[np.bool_],
     ) -> NDArray[np.float64] | None:
         """The (3,) waypoint of the frontier by which a target in sight may be reached, or None."""
-        clusters = self._clusters(view, reach, admissible)
-        if clusters:
-            self._waypoint = frontier_towards(clusters, target_points)
+        self.leave()
+        frontiers, _ = self._choices(view, reach, admissible)
+        if frontiers:
+            self._waypoint = frontier_towards(frontiers, target_points)
         return self._waypoint
 
     def leave(self) -> None:
         """Something else than a frontier is gone to."""
         self._waypoint, self._weighed = None, ()
-        self._landing = False
+        self._landing = self._revisiting = self.squeezes = False
         self._drops.approach(None)
 
     def is_gone(self, view: MapView) -> bool:
         """Whether the frontier that is gone to has been seen from afar."""
-        if self._waypoint is None or self._drops.approached or self._landing:
+        if self._waypoint is None or self._drops.approached or self._landing or self._revisiting:
             return False
         return not bool((_distance(view, self._waypoint) <= self._config.vanished_m).any())
 
@@ -183,9 +242,9 @@ class PlannedSearch:
         if action is not None:
             return action
         foot_z = float(observation.world_from_base.translation[2])
-        at_flight = self._landing or self._on_flight(foot_z, view)
-        if at_flight and self._turns < self._full_turn:
-            self._turns += 1  # the next floor may go on to any side
+        all_round = self._landing or self._revisiting or self._on_flight(foot_z, view)
+        if all_round and self._turns < self._full_turn:
+            self._turns += 1  # the next floor may go on to any side, a thing may stand anywhere
             return Action.TURN_LEFT
         distance = _distance(view, observation.world_from_base.translation)
         if not (distance <= self._config.rest_m).any() or self._turns >= self._full_turn:
@@ -218,12 +277,50 @@ class PlannedSearch:
         flights = tuple(c for c, stairs in zip(clusters, on_stairs, strict=True) if stairs)
         return frontiers, (*flights, *self._drops.clusters(view, reach))
 
-    def _clusters(
-        self, view: MapView, reach: CostField, admissible: NDArray[np.bool_]
-    ) -> tuple[FrontierCluster, ...]:
-        """The frontiers to choose from; the last choice is forgotten."""
-        self.leave()
-        return frontier_clusters(view, reach, admissible)
+    def _behind_gaps(
+        self, view: MapView, squeezed: CostField, admissible: NDArray[np.bool_]
+    ) -> tuple[tuple[FrontierCluster, ...], tuple[FrontierCluster, ...]]:
+        """The choices behind gaps that may be too narrow; frontiers where they are worth it."""
+        frontiers, stairs = self._choices(view, squeezed, admissible)
+        reach_m = self._config.unknown_reach_m
+        worthwhile = tuple(
+            replace(cluster, path_cost=cluster.path_cost + SQUEEZE_M)
+            for cluster in frontiers
+            if unknown_area_m2(view.grid, view.grid.index_of(cluster.cells), reach_m)
+            >= SQUEEZE_FOR_M2
+        )
+        return worthwhile, stairs
+
+    def _off_floor(
+        self, stairs: Sequence[FrontierCluster], belief: Belief, view: MapView, *, on_flight: bool
+    ) -> list[WeighedFrontier]:
+        """What the ways to other floors promise: of those up, and of those down, the nearest.
+
+        On a flight all count alike: what leads on is the nearest.
+        """
+        config, speaks = self._config, GLIMPSED if belief.elsewhere else ""
+        affinity = {**self._affinities(), self._target: 1.0}
+        found, taken = [], set()
+        for place in sorted(stairs, key=lambda place: place.path_cost):
+            on_stairs, up = is_on_stairs(place, view), _rises(place, view)
+            promise = self._storeys.promise(
+                up=up, view=view, unseen=config.other_floor, affinity=affinity
+            )
+            promise *= 1.0 if on_stairs else config.edge_share
+            if (up, on_stairs) in taken and not on_flight:
+                promise = LEAST_PROMISE
+            taken.add((up, on_stairs))
+            promise = config.glimpse if belief.elsewhere else promise
+            found.append(off_this_floor(place, promise, speaks, on_stairs=on_stairs))
+        return found
+
+
+def _rises(place: FrontierCluster, view: MapView) -> bool:
+    """Whether a place on stairs leads up; the edge of a floor leads down."""
+    if view.grid.stairs is None:
+        return False
+    i, j = view.grid.index_of(place.nearest)
+    return bool(view.grid.stairs[i, j] > 0.0)  # NaN, no stair, is not
 
 
 def _distance(view: MapView, position: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
-from scipy.ndimage import binary_dilation, distance_transform_edt
+from scipy.ndimage import binary_dilation
 from shapely import Polygon, contains_xy
 
 from toponav.config_model import ConfigModel
 from toponav.control.landings import landings
+from toponav.control.obstacle_distance import obstacle_distance
 from toponav.control.shortest_paths import (
     EVERYWHERE,
     NO_PARENT,
@@ -34,8 +35,15 @@ class PlannerConfig(ConfigModel):
     clearance_weight: float = Field(default=3.0, ge=0.0)
     """Extra cost of a metre at zero clearance, in metres."""
 
+    tight_weight: float = Field(default=0.0, ge=0.0)
+    """The same for what is nearer to obstacles than the agent's radius, where it may touch them."""
+
     escape_radius_m: float = Field(default=0.45, ge=0.0)
     """Around the agent, free cells may be crossed however near an obstacle is: it stands there."""
+
+    squeeze_radius_m: float = Field(default=0.1, gt=0.0)
+    """Where nothing else leads on, gaps that would let through an agent of this radius, metres, are
+    tried: on the map a gap may be narrower by a cell than it is."""
 
     max_step_m: float = Field(default=0.3, gt=0.0)
     """Where a stair is higher or lower than this against the floor beside it, metres, one cannot
@@ -149,7 +157,12 @@ class Planner:
         self._config = config
 
     def clearance(
-        self, grid: OccupancyGrid, agent_xy: ArrayLike, blocked_xy: ArrayLike | None = None
+        self,
+        grid: OccupancyGrid,
+        agent_xy: ArrayLike,
+        blocked_xy: ArrayLike | None = None,
+        *,
+        squeeze: bool = False,
     ) -> Clearance:
         """Inflate the obstacles by the agent's radius.
 
@@ -157,9 +170,12 @@ class Planner:
             grid: Known space; beyond the agent's own body only FREE cells are ever crossed.
             agent_xy: (2 or 3,) where the agent stands, world frame, metres.
             blocked_xy: (N, 2) positions of obstacles that the agent felt and no image shows.
+            squeeze: By `squeeze_radius_m` instead.
         """
         config = self._config
-        occupied, free = np.isin(grid.cells, (OCCUPIED, DROP)), grid.cells == FREE
+        radius_m = config.squeeze_radius_m if squeeze else config.radius_m
+        occupied = (grid.cells == OCCUPIED) | (grid.cells == DROP)
+        free = grid.cells == FREE
         if grid.stairs is not None:
             on_flight = binary_dilation(np.isfinite(grid.stairs), iterations=TREAD_CELLS)
             occupied &= ~(on_flight & (grid.cells == DROP))  # treads not seen yet, more likely
@@ -175,19 +191,17 @@ class Planner:
             occupied[felt[:, 0], felt[:, 1]] = True
             free &= ~occupied
         half_cell = 0.5 * grid.resolution
-        if occupied.any():
-            distance = distance_transform_edt(~occupied) * grid.resolution - half_cell
-        else:
-            distance = np.full(grid.cells.shape, np.inf)
+        distance = obstacle_distance(occupied) * grid.resolution - half_cell
         # An obstacle's surface lies anywhere in its cell, on average half a cell inside; a whole
         # cell of margin would close doors of 0.7 m on a 0.1 m grid.
-        fits = free & (distance + half_cell > config.radius_m)
+        fits = free & (distance + half_cell > radius_m)
         here = _distance_to(grid, agent_xy)
         fits |= free & (here <= config.escape_radius_m)
         # Where its body is there is no obstacle, whatever the map says.
         fits |= here <= config.radius_m
         shortfall = np.clip(1.0 - distance / config.preferred_clearance_m, 0.0, 1.0)
-        cost = 1.0 + config.clearance_weight * shortfall**2
+        tight = np.clip(1.0 - distance / config.radius_m, 0.0, 1.0)
+        cost = 1.0 + config.clearance_weight * shortfall**2 + config.tight_weight * tight**2
         return Clearance(grid, distance, fits, cost)
 
     def cost_field(
@@ -220,15 +234,15 @@ class Planner:
         return CostField(clearance, fitted, cost, parent)
 
     def costs_between(
-        self, clearance: Clearance, places: NDArray[np.float64], within: float = math.inf
+        self, clearance: Clearance, places: NDArray[np.float64], within: ArrayLike = math.inf
     ) -> NDArray[np.float64]:
         """(N, N) costs of the ways between (N, 2 or 3) places; infinite without one.
 
         Args:
             clearance: Where the agent fits.
             places: World frame, metres.
-            within: Ways that cost more than this are left out, which saves most of the work in a
-                large map.
+            within: Ways that cost more than this may be left out, which saves most of the work in
+                a large map: one cost, or a symmetric (N, N) of them.
         """
         grid = clearance.grid
         fitted = [self._fit(clearance, place[:2]) for place in places]
@@ -236,9 +250,9 @@ class Planner:
         cells = grid.index_of(np.array([fitted[k] for k in known]).reshape(-1, 2))
         between = np.full((len(places), len(places)), np.inf)
         step_cost = clearance.step_cost * grid.resolution
-        between[np.ix_(known, known)] = costs_between(
-            clearance.traversable, step_cost, cells, within
-        )
+        limits = np.broadcast_to(np.asarray(within, np.float64), between.shape)
+        pairs = np.ix_(known, known)
+        between[pairs] = costs_between(clearance.traversable, step_cost, cells, limits[pairs])
         return between
 
     def _fit(

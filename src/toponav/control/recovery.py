@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections import deque
+from collections import Counter, deque
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
+from scipy.spatial import cKDTree
 
 from toponav.config_model import ConfigModel
 from toponav.control.discrete import HeadingBarred
@@ -42,6 +43,10 @@ class RecoveryConfig(ConfigModel):
     bumps_to_block: int = Field(default=3, ge=1)
     """Bumps within `bump_radius_m` of each other after which explained ones block, too."""
 
+    body_m: float = Field(default=0.15, ge=0.0)
+    """Within this distance of where the agent has stood there is no obstacle that no image shows,
+    metres: a little less than its radius."""
+
     window_steps: int = Field(default=30, ge=1)
     """Steps over which progress is looked for; a half turn takes six."""
 
@@ -55,18 +60,32 @@ class RecoveryConfig(ConfigModel):
     """... for this many decisions."""
 
 
+SAME_M, SAME_RAD, VISITS = 0.05, 0.1, 3
+"""Poses that are as near as this, metres and radians, are the same; so many visits are a circle."""
+
+STOOD_APART_M = 0.1
+"""Of places nearer to each other than this, metres, one is remembered."""
+
+
 class BumpMemory:
     """Remembers where forward steps were cut short.
 
     A bump beside a mapped obstacle is a graze and only bars its heading. One that nothing on the
     map explains means an obstacle that no image shows: it is put on the map where it was felt, and
-    forgotten once the map shows something there.
+    forgotten once the map shows something there, or the agent passes. What it came through it can
+    go back through: it only has to aim better.
     """
 
     def __init__(self, config: RecoveryConfig) -> None:
         """Start without bumps."""
         self._config = config
         self._bumps = np.zeros((0, 3))
+        self._stood: dict[tuple[int, int], tuple[float, float]] = {}
+
+    def stand(self, xy: ArrayLike) -> None:
+        """The agent stands at (2 or 3,) a place."""
+        x, y = (float(v) for v in np.asarray(xy, dtype=np.float64)[:2])
+        self._stood[round(x / STOOD_APART_M), round(y / STOOD_APART_M)] = (x, y)
 
     def add(self, world_from_base: Pose) -> None:
         """A forward step ended here, blocked."""
@@ -94,7 +113,12 @@ class BumpMemory:
         repeated = (apart <= self._config.bump_radius_m).sum(axis=1) >= self._config.bumps_to_block
         felt = repeated | ~self._explained(grid)
         contact: NDArray[np.float64] = (xy + self._config.contact_m * self._ahead)[felt]
-        return contact
+        if not len(contact) or not self._stood:
+            return contact
+        stood = np.array(list(self._stood.values()))
+        away, _ = cKDTree(stood).query(contact)
+        unvisited: NDArray[np.float64] = contact[away > self._config.body_m]
+        return unvisited
 
     @property
     def _ahead(self) -> NDArray[np.float64]:
@@ -128,7 +152,15 @@ class ProgressMonitor:
     def restart(self) -> None:
         """A new goal: what came before does not count."""
         self._last_xy: NDArray[np.float64] | None = None
+        self._visits: Counter[tuple[int, int, int]] = Counter()
         self._gains: deque[float] = deque(maxlen=self._config.window_steps)
+
+    def circles(self, world_from_base: Pose) -> bool:
+        """Add a step; whether this walk has come to the same place and heading time and again."""
+        i, j = np.rint(world_from_base.translation[:2] / SAME_M).astype(int).tolist()
+        pose = i, j, round(world_from_base.yaw / SAME_RAD)
+        self._visits[pose] += 1
+        return self._visits[pose] >= VISITS
 
     def stalled(self, xy: ArrayLike, field: CostField) -> bool:
         """Add a step; whether the window's steps together brought the goal too little nearer.

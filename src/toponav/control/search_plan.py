@@ -69,9 +69,16 @@ class SearchPlanConfig(ConfigModel):
     glimpse: Annotated[float, Field(ge=0.0)] = 4.0
     """What a glimpse of the target with score 1 adds to the frontier that leads to it."""
 
-    other_floor: Annotated[float, Field(ge=0.0, le=1.0)] = 0.015
-    """Promise of a frontier on stairs, and of an edge where stairs may lead down: a floor is
-    searched before it is left."""
+    other_floor: Annotated[float, Field(ge=0.0)] = 1.5
+    """Promise of stairs to a floor that was not seen yet: as that of some four frontiers."""
+
+    edge_share: Annotated[float, Field(ge=0.0, le=1.0)] = 0.15
+    """Share of that for an edge from which stairs may be seen that lead down: a look from there
+    costs no more than the way to it."""
+
+    storey_m: Annotated[float, Field(ge=0.0)] = 25.0
+    """What stairs cost beyond the way to them, metres: the flight, and half of the search of the
+    floor to which they lead, before something is found there."""
 
     places: Annotated[int, Field(ge=1, le=MAX_PLACES)] = 10
     """Frontiers whose order is worked out; of more, those that promise most for their distance."""
@@ -85,6 +92,10 @@ class SearchPlanConfig(ConfigModel):
     looked_m: Positive = 1.5
     """A frontier that was in view from this near, and is still there, promises half of one that was
     seen from afar: what can be seen of it has been."""
+
+    revisit_m: Positive = 2.5
+    """Where nothing is left to explore, places of an earlier search that were not in view from this
+    near are gone to."""
 
     rest_m: Positive = 1.0
     """On arrival, frontier cells this near are looked at first."""
@@ -110,7 +121,7 @@ class Belief:
 
 
 def ranked_frontiers(
-    places: tuple[Sequence[FrontierCluster], Sequence[FrontierCluster]],
+    places: tuple[Sequence[FrontierCluster], Sequence[WeighedFrontier]],
     belief: Belief,
     view: MapView,
     reach: CostField,
@@ -120,7 +131,8 @@ def ranked_frontiers(
     """The frontiers in the order that finds the target soonest; those not ordered come last.
 
     Args:
-        places: The frontiers of this floor, and what leads to others; one or more in all.
+        places: The frontiers of this floor, and what leads to others (`off_this_floor`); one or
+            more in all.
         belief: Where the target may be.
         view: The map.
         reach: Cost of walking from the agent to every cell.
@@ -139,14 +151,18 @@ def ranked_frontiers(
         k = _leading_to(glimpse.place[None], frontiers)
         promise = weighed[k].promise + config.glimpse * glimpse.score
         weighed[k] = replace(weighed[k], promise=promise, speaks=GLIMPSED)
-    weighed += [_off_this_floor(place, belief, config) for place in stairs]
+    weighed += stairs
     chance = np.array([frontier.promise for frontier in weighed])
-    cost = np.array([frontier.path_cost for frontier in weighed])
+    beyond = np.array([config.storey_m if frontier.on_stairs else 0.0 for frontier in weighed])
+    cost = np.array([frontier.path_cost for frontier in weighed]) + beyond
     by_promise = np.argsort(-chance / (cost + 1.0), kind="stable")
     kept, rest = by_promise[: config.places], by_promise[config.places :]
     stands = np.stack([weighed[k].waypoint for k in kept])
-    between = planner.costs_between(reach.clearance, stands, config.between)
-    between = np.minimum(between, cost[kept, None] + cost[kept])
+    extra = beyond[kept, None] + beyond[kept]
+    by_the_agent = cost[kept, None] + cost[kept]
+    within = np.minimum(by_the_agent - extra, config.between)
+    between = planner.costs_between(reach.clearance, stands, within) + extra
+    between = np.minimum(between, by_the_agent)
     between[~np.isfinite(between)] = UNREACHABLE_M
     order = soonest_order(cost[kept], between, chance[kept])
     ranked = [replace(weighed[kept[place]], rank=rank) for rank, place in enumerate(order)]
@@ -242,20 +258,27 @@ def _weigh(
     )
 
 
-def _off_this_floor(
-    place: FrontierCluster, belief: Belief, config: SearchPlanConfig
+def off_this_floor(
+    place: FrontierCluster, promise: float, speaks: str, *, on_stairs: bool
 ) -> WeighedFrontier:
-    """What a way to another floor promises."""
+    """Stairs to another floor, or an edge from which they may be seen.
+
+    Args:
+        place: Where.
+        promise: What the other floor promises.
+        speaks: What speaks for it; empty for nothing.
+        on_stairs: Whether it is on stairs.
+    """
     return WeighedFrontier(
         waypoint=place.nearest,
         cells=place.size,
         path_cost=place.path_cost,
         unknown_m2=0.0,
-        likelihood=config.base_likelihood,
-        speaks=GLIMPSED if belief.elsewhere else "",
+        likelihood=0.0,
+        speaks=speaks,
         guided=False,
-        on_stairs=True,
-        promise=config.glimpse if belief.elsewhere else config.other_floor,
+        on_stairs=on_stairs,
+        promise=promise,
     )
 
 

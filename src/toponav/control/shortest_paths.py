@@ -1,7 +1,9 @@
 """Dijkstra's algorithm on a grid of 16 neighbours: costs to the nearest seed, and the way there.
 
 Cells wait in buckets no wider than the cheapest move, so that all cells of one bucket are settled
-when their turn comes, in any order (Dial's method): several times faster than a heap.
+when their turn comes, in any order (Dial's method): several times faster than a heap. A cell to
+which a cheaper way is found waits once more, and is passed over the second time. Cells are numbered
+along a grid with a margin as wide as a move, so that no move has to be kept inside.
 """
 
 from __future__ import annotations
@@ -31,100 +33,111 @@ NO_PARENT = -1
 """The parent of seeds and of cells without a way."""
 
 
-@njit(cache=True)
-def passable(traversable: NDArray[np.bool_], i: int, j: int, di: int, dj: int) -> bool:
-    """Whether every cell that a diagonal or knight's move touches is traversable."""
-    if abs(di) == 2:
-        return bool(traversable[i + di // 2, j] and traversable[i + di // 2, j + dj])
-    if abs(dj) == 2:
-        return bool(traversable[i, j + dj // 2] and traversable[i + di, j + dj // 2])
-    return bool(traversable[i + di, j] and traversable[i, j + dj])
-
+MARGIN = 2
+"""Cells around the grid that nobody enters: no move reaches farther."""
 
 EVERYWHERE = (np.empty((0, 2), np.int64), 0.0)
 """A search that ends when there is nothing left to search."""
 
+NONE = -1
+"""No entry."""
+
+
+class _Ground(NamedTuple):
+    """The grid with its margin, M cells in all.
+
+    Attributes:
+        columns: Cells of one of its rows.
+        traversable: (M,) cells that may be entered.
+        cell_cost: (M,) cost of crossing one.
+        moves: (16,) what a move adds to a cell's number.
+        beside: (16, 2) likewise the two cells that a diagonal or knight's move touches.
+    """
+
+    columns: int
+    traversable: NDArray[np.bool_]
+    cell_cost: NDArray[np.float64]
+    moves: NDArray[np.int64]
+    beside: NDArray[np.int64]
+
 
 class _Buckets(NamedTuple):
-    """Cells that wait, by cost; a ring, since no move costs more than it spans.
+    """Cells that wait, by cost; a ring of lists, since no move costs more than it spans.
 
     Attributes:
         width: Cost that a bucket spans.
-        first: (R,) flat index of a bucket's first cell, or `NONE`.
-        before: (N_x * N_y,) neighbours in the list of the cell's bucket, or `NONE`.
-        after: (N_x * N_y,) likewise.
+        first: (R,) a bucket's first entry, or `NONE`.
+        cells: (E,) the cell of an entry.
+        after: (E,) the next entry of its bucket, or `NONE`.
     """
 
     width: float
     first: NDArray[np.int32]
-    before: NDArray[np.int32]
+    cells: NDArray[np.int32]
     after: NDArray[np.int32]
 
 
-NONE = -1
-"""No cell."""
-
-
-@njit(cache=True)
-def _buckets(traversable: NDArray[np.bool_], cell_cost: NDArray[np.float64]) -> _Buckets:
-    cheapest, dearest = np.inf, 0.0
-    for i in range(traversable.shape[0]):
-        for j in range(traversable.shape[1]):
-            if traversable[i, j]:
-                cheapest = min(cheapest, cell_cost[i, j])
-                dearest = max(dearest, cell_cost[i, j])
-    # A little less than the cheapest move, so that rounding leads to no bucket that has been left.
-    width = 0.999 * cheapest if cheapest < np.inf else 1.0
-    ring = int(LENGTHS.max() * dearest / width) + 3
-    first = np.full(ring, NONE, np.int32)
-    before = np.full(traversable.size, NONE, np.int32)
-    return _Buckets(width, first, before, before.copy())
-
-
-@njit(cache=True)
-def _enter(buckets: _Buckets, cell: int, cost: float) -> None:
-    bucket = int(cost / buckets.width) % buckets.first.size
-    next_cell = buckets.first[bucket]
-    buckets.first[bucket] = cell
-    buckets.before[cell], buckets.after[cell] = NONE, next_cell
-    if next_cell != NONE:
-        buckets.before[next_cell] = cell
-
-
-@njit(cache=True)
-def _leave(buckets: _Buckets, cell: int, cost: float) -> None:
-    before, after = buckets.before[cell], buckets.after[cell]
-    if before == NONE:
-        buckets.first[int(cost / buckets.width) % buckets.first.size] = after
-    else:
-        buckets.after[before] = after
-    if after != NONE:
-        buckets.before[after] = before
-
-
 class _Search(NamedTuple):
-    """A search in the making, over (N_x, N_y) cells.
+    """A search in the making, over the M cells of the ground.
 
     Attributes:
-        cost: From the nearest seed; infinite where it has not come yet.
-        parent: Flat index of the next cell on the way to the seed.
-        is_wanted: Whether the search may end without it.
-        buckets: Cells that wait.
+        cost: (M,) from the nearest seed; infinite where it has not come yet.
+        parent: (M,) the next cell on the way to the seed, or `NO_PARENT`.
+        is_settled: (M,) whether that is final.
+        is_wanted: (M,) whether the search may end without it.
     """
 
     cost: NDArray[np.float64]
-    parent: NDArray[np.int64]
+    parent: NDArray[np.int32]
+    is_settled: NDArray[np.bool_]
     is_wanted: NDArray[np.bool_]
-    buckets: _Buckets
 
 
 @njit(cache=True)
-def _new_search(traversable: NDArray[np.bool_], cell_cost: NDArray[np.float64]) -> _Search:
+def _ground(traversable: NDArray[np.bool_], cell_cost: NDArray[np.float64]) -> _Ground:
+    rows, columns = traversable.shape
+    wide = columns + 2 * MARGIN
+    may_enter = np.zeros((rows + 2 * MARGIN, wide), np.bool_)
+    costs = np.zeros((rows + 2 * MARGIN, wide))
+    may_enter[MARGIN : MARGIN + rows, MARGIN : MARGIN + columns] = traversable
+    costs[MARGIN : MARGIN + rows, MARGIN : MARGIN + columns] = cell_cost
+    moves, beside = np.empty(len(NEIGHBOURS), np.int64), np.zeros((len(NEIGHBOURS), 2), np.int64)
+    for n in range(len(NEIGHBOURS)):
+        di, dj = NEIGHBOURS[n]
+        moves[n] = di * wide + dj
+        if abs(di) == 2:
+            beside[n] = (di // 2 * wide, di // 2 * wide + dj)
+        elif abs(dj) == 2:
+            beside[n] = (dj // 2, di * wide + dj // 2)
+        else:
+            beside[n] = (di * wide, dj)
+    return _Ground(wide, may_enter.ravel(), costs.ravel(), moves, beside)
+
+
+@njit(cache=True)
+def _buckets(ground: _Ground) -> _Buckets:
+    cheapest, dearest, entries = np.inf, 0.0, 1
+    for cell in range(ground.traversable.size):
+        if ground.traversable[cell]:
+            cheapest = min(cheapest, ground.cell_cost[cell])
+            dearest = max(dearest, ground.cell_cost[cell])
+            entries += 1
+    # A little less than the cheapest move, so that rounding leads to no bucket that has been left.
+    width = 0.999 * cheapest if cheapest < np.inf else 1.0
+    ring = int(LENGTHS.max() * dearest / width) + 3
+    # Every move may find a cheaper way.
+    entries *= len(NEIGHBOURS)
+    cells = np.empty(entries, np.int32)
+    return _Buckets(width, np.full(ring, NONE, np.int32), cells, np.empty(entries, np.int32))
+
+
+@njit(cache=True)
+def _new_search(cells: int) -> _Search:
     return _Search(
-        np.full(traversable.shape, np.inf),
-        np.full(traversable.shape, NO_PARENT, np.int64),
-        np.zeros(traversable.shape, np.bool_),
-        _buckets(traversable, cell_cost),
+        np.full(cells, np.inf),
+        np.full(cells, NO_PARENT, np.int32),
+        np.zeros(cells, np.bool_),
+        np.zeros(cells, np.bool_),
     )
 
 
@@ -153,13 +166,22 @@ def shortest_paths(
         (N_x, N_y) costs, infinite without a way, and (N_x, N_y) parents: the flat index of the next
         cell on the way to the seed.
     """
-    search = _new_search(traversable, cell_cost)
-    cost, parent = search.cost, search.parent
-    limit = _spread((traversable, cell_cost), search, seeds, until, np.inf)
-    for i in range(cost.shape[0]):
-        for j in range(cost.shape[1]):
-            if cost[i, j] > limit:
-                cost[i, j], parent[i, j] = np.inf, NO_PARENT
+    ground = _ground(traversable, cell_cost)
+    search, buckets = _new_search(ground.traversable.size), _buckets(ground)
+    limit, _ = _spread(ground, search, buckets, seeds, until, np.inf)
+    cost = np.full(traversable.shape, np.inf)
+    parent = np.full(traversable.shape, NO_PARENT, np.int64)
+    rows, columns = traversable.shape
+    for i in range(rows):
+        for j in range(columns):
+            cell = (i + MARGIN) * ground.columns + j + MARGIN
+            if search.cost[cell] > limit:
+                continue
+            cost[i, j] = search.cost[cell]
+            onward = search.parent[cell]
+            if onward != NO_PARENT:
+                row = onward // ground.columns
+                parent[i, j] = (row - MARGIN) * columns + onward - row * ground.columns - MARGIN
     return cost, parent
 
 
@@ -168,108 +190,120 @@ def costs_between(
     traversable: NDArray[np.bool_],
     cell_cost: NDArray[np.float64],
     cells: NDArray[np.int64],
-    within: float,
+    within: NDArray[np.float64],
 ) -> NDArray[np.float64]:
     """(N, N) costs between (N, 2) cells inside the grid; infinite without a way, or beyond a cost.
 
     Costs are those of `shortest_paths`. Both directions cost the same, so that every search looks
-    for the cells before its own alone, and all share their memory.
+    for the cells before its own alone, and all share their memory. (N, N) symmetric `within` says
+    for each pair beyond which cost it does not matter.
     """
     between = np.full((len(cells), len(cells)), np.inf)
-    search = _new_search(traversable, cell_cost)
+    ground = _ground(traversable, cell_cost)
+    search, buckets = _new_search(ground.traversable.size), _buckets(ground)
     for k in range(len(cells)):
         between[k, k] = 0.0 if traversable[cells[k, 0], cells[k, 1]] else np.inf
         if k == 0:
             continue
-        search.cost[:] = np.inf
-        search.is_wanted[:] = False
-        search.buckets.first[:] = NONE
-        limit = _spread(
-            (traversable, cell_cost), search, cells[k : k + 1], (cells[:k], 0.0), within
-        )
+        until = (cells[:k], 0.0)
+        farthest = within[k, :k].max()
+        limit, entries = _spread(ground, search, buckets, cells[k : k + 1], until, farthest)
         for other in range(k):
-            cost = search.cost[cells[other, 0], cells[other, 1]]
-            if cost <= limit:
-                between[k, other] = between[other, k] = cost
+            place = (cells[other, 0] + MARGIN) * ground.columns + cells[other, 1] + MARGIN
+            if search.cost[place] <= limit:
+                between[k, other] = between[other, k] = search.cost[place]
+            search.is_wanted[place] = False
+        for entry in range(entries):
+            search.cost[buckets.cells[entry]] = np.inf
+            search.is_settled[buckets.cells[entry]] = False
+        buckets.first[:] = NONE
     return between
 
 
 @njit(cache=True)
 def _spread(
-    ground: tuple[NDArray[np.bool_], NDArray[np.float64]],
+    ground: _Ground,
     search: _Search,
+    buckets: _Buckets,
     seeds: NDArray[np.int64],
     until: tuple[NDArray[np.int64], float],
     within: float,
-) -> float:
-    """Settle cells in the order of their costs; returns the cost up to which they are settled."""
-    traversable = ground[0]
-    cost, parent, is_wanted, buckets = search
-    columns = traversable.shape[1]
-    waiting = 0
+) -> tuple[float, int]:
+    """Settle cells in the order of their costs.
+
+    Returns:
+        The cost up to which they are settled, and the number of entries made.
+    """
+    cost, is_settled, is_wanted = search.cost, search.is_settled, search.is_wanted
+    width, first, cells, after = buckets
+    ring = first.size
+    entries = 0
     for k in range(len(seeds)):
-        i, j = seeds[k]
-        if traversable[i, j] and cost[i, j] > 0.0:
-            cost[i, j], parent[i, j] = 0.0, NO_PARENT
-            _enter(buckets, i * columns + j, 0.0)
-            waiting += 1
+        cell = (seeds[k, 0] + MARGIN) * ground.columns + seeds[k, 1] + MARGIN
+        if ground.traversable[cell] and cost[cell] > 0.0:
+            cost[cell], search.parent[cell] = 0.0, NO_PARENT
+            cells[entries], after[entries], first[0] = cell, first[0], entries
+            entries += 1
+    waiting = entries
     wanted, margin = until
     missing = 0
     for k in range(len(wanted)):
-        missing += int(not is_wanted[wanted[k, 0], wanted[k, 1]])
-        is_wanted[wanted[k, 0], wanted[k, 1]] = True
+        cell = (wanted[k, 0] + MARGIN) * ground.columns + wanted[k, 1] + MARGIN
+        missing += int(not is_wanted[cell])
+        is_wanted[cell] = True
     farthest, limit, bucket = 0.0, within, 0
-    while waiting > 0 and bucket * buckets.width <= limit:
-        cell = buckets.first[bucket % buckets.first.size]
-        if cell == NONE:
+    while waiting > 0 and bucket * width <= limit:
+        entry = first[bucket % ring]
+        if entry == NONE:
             bucket += 1
             continue
-        i, j = cell // columns, cell % columns
-        _leave(buckets, cell, cost[i, j])
-        waiting += _pass_on(ground, buckets, cost, parent, cell) - 1
-        if is_wanted[i, j]:
-            farthest = max(farthest, cost[i, j])
+        first[bucket % ring] = after[entry]
+        cell = cells[entry]
+        if is_settled[cell]:
+            continue
+        is_settled[cell] = True
+        new, entries = _pass_on(ground, search, buckets, cell, entries)
+        waiting += new - 1
+        if is_wanted[cell]:
+            farthest = max(farthest, cost[cell])
             missing -= 1
             if missing == 0:
                 limit = min(within, farthest + margin)
-    return limit
+    return limit, entries
 
 
 @njit(cache=True)
 def _pass_on(
-    ground: tuple[NDArray[np.bool_], NDArray[np.float64]],
-    buckets: _Buckets,
-    cost: NDArray[np.float64],
-    parent: NDArray[np.int64],
-    cell: int,
-) -> int:
-    """Offer the ways over a settled cell to its neighbours; returns how many had none before."""
-    traversable, cell_cost = ground
-    rows, columns = traversable.shape
-    i, j = cell // columns, cell % columns
-    settled = cost[i, j]
+    ground: _Ground, search: _Search, buckets: _Buckets, cell: int, entries: int
+) -> tuple[int, int]:
+    """Offer the ways over a settled cell to its neighbours.
+
+    Returns:
+        How many had none before, and the number of entries now.
+    """
+    _, traversable, cell_cost, moves, beside = ground
+    cost, parent = search.cost, search.parent
+    width, first, cells, after = buckets
+    settled, here, ring = cost[cell], cell_cost[cell], first.size
     new = 0
     for n in range(len(NEIGHBOURS)):
-        di, dj = NEIGHBOURS[n]
-        a, b = i + di, j + dj
-        if a < 0 or b < 0 or a >= rows or b >= columns or not traversable[a, b]:
+        other = cell + moves[n]
+        known = cost[other]
+        if known <= settled or not traversable[other]:
             continue
-        known = cost[a, b]
-        if known <= settled:
+        if n >= STRAIGHT_MOVES and not (
+            traversable[cell + beside[n, 0]] and traversable[cell + beside[n, 1]]
+        ):
             continue
-        if n >= STRAIGHT_MOVES and not passable(traversable, i, j, di, dj):
-            continue
-        candidate = settled + LENGTHS[n] * 0.5 * (cell_cost[i, j] + cell_cost[a, b])
+        candidate = settled + LENGTHS[n] * 0.5 * (here + cell_cost[other])
         if candidate < known:
-            if known < np.inf:
-                _leave(buckets, a * columns + b, known)
-            else:
-                new += 1
-            cost[a, b], parent[a, b] = candidate, cell
-            _enter(buckets, a * columns + b, candidate)
+            new += int(known == np.inf)
+            cost[other], parent[other] = candidate, cell
+            bucket = int(candidate / width) % ring
+            cells[entries], after[entries], first[bucket] = other, first[bucket], entries
+            entries += 1
         elif candidate == known:
-            other = parent[a, b]
-            of_other = cost[other // columns, other % columns]
-            if settled < of_other or (settled == of_other and cell < other):
-                parent[a, b] = cell
-    return new
+            of_rival = cost[parent[other]]
+            if settled < of_rival or (settled == of_rival and cell < parent[other]):
+                parent[other] = cell
+    return new, entries

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from toponav.control.planner import CostField
-from toponav.mapping.view import MapView
+from toponav.mapping.view import MapView, OccupancyGrid
 from toponav.policy.goal import GoalTracker
 from toponav.policy.sight import TargetSight
 
@@ -20,6 +21,17 @@ to stop there."""
 LOOK_M = (1.2, 2.4)
 """Another look is taken from between these distances, metres: nearer, the camera looks over low
 things."""
+
+WALL_COST = 6.0
+"""A wall on the straight line to the target counts as so many metres of way: it may not have been
+mapped well enough to hide what stands against its other side."""
+
+WALL_TOP_M = 2.0
+"""What reaches from the eye's height to somewhere below this may be a wall; a lintel is higher."""
+
+ON_FLIGHT_M = 0.3
+"""Treads this far from the floor's height are on the way to another: nothing is seen from there as
+from the floor."""
 
 MAX_TRIED = 200
 """Spots checked for sight, the best first."""
@@ -56,20 +68,25 @@ def vantage_point(
         the stop distance, the spot nearest to the target; None when no spot sees it from within
         the farthest distance.
     """
-    cells = np.argwhere(np.isfinite(reach.cost))
+    cells = _standing(view, reach)
     if not len(cells) or not len(target_points):
         return None
     spots = reach.clearance.grid.center_of(cells)
     cells, spots = cells[allowed(spots)], spots[allowed(spots)]
     if not len(cells):
         return None
-    distance, _ = cKDTree(target_points[:, :2]).query(spots)
+    distance, nearest = cKDTree(target_points[:, :2]).query(spots)
     config = goal.config
+    close = distance <= config.farthest_stop_m
+    cells, spots, distance, nearest = cells[close], spots[close], distance[close], nearest[close]
     well_within = distance <= config.stop_distance_m - MARGIN_M
-    cost = np.where(well_within, reach.cost[cells[:, 0], cells[:, 1]], np.inf)
+    wall = _walls(target_points, view, eye_height_m)
+    through = _crosses(wall, spots, target_points[nearest], view.grid)
+    cost = reach.cost[cells[:, 0], cells[:, 1]] + WALL_COST * through
+    cost = np.where(well_within, cost, np.inf)
     # The last key is the first criterion: cheapest well within, then nearest beyond.
     best_first = np.lexsort((distance, cost))
-    tried = best_first[distance[best_first] <= config.farthest_stop_m][:MAX_TRIED]
+    tried = best_first[:MAX_TRIED]
     sight = TargetSight(target_points, view.scene.points, config.farthest_stop_m, config.sight)
     limit = np.where(well_within, config.stop_distance_m, config.farthest_stop_m)
     for (x, y), limit_m in zip(spots[tried], limit[tried], strict=True):
@@ -94,7 +111,7 @@ def further_look(
         (3,) on the floor, world frame, metres; None if there is none.
     """
     points = goal.points(view, target)
-    cells = np.argwhere(np.isfinite(reach.cost))
+    cells = _standing(view, reach)
     if not len(cells) or not len(points):
         return None
     spots = reach.clearance.grid.center_of(cells)
@@ -113,3 +130,39 @@ def further_look(
         if tried == MAX_TRIED:
             return None
     return None
+
+
+def _walls(
+    target_points: NDArray[np.floating], view: MapView, eye_height_m: float
+) -> NDArray[np.bool_]:
+    """(N_x, N_y) cells with something as high as the eye in them, but not with the target."""
+    height = view.scene.points[:, 2] - view.floor_z
+    tall = view.scene.points[(height >= eye_height_m) & (height <= WALL_TOP_M)]
+    walls = np.zeros(view.grid.cells.shape, np.bool_)
+    for points, is_wall in ((tall, True), (target_points, False)):
+        cells = view.grid.index_of(points)
+        cells = cells[view.grid.contains(cells)]
+        walls[cells[:, 0], cells[:, 1]] = is_wall
+    return walls
+
+
+def _crosses(
+    walls: NDArray[np.bool_],
+    starts: NDArray[np.float64],
+    ends: NDArray[np.floating],
+    grid: OccupancyGrid,
+) -> NDArray[np.bool_]:
+    """(N,) which of the lines between (N, 2 or 3) positions lead through a marked cell."""
+    line = ends[:, :2] - starts
+    longest = np.hypot(line[:, 0], line[:, 1]).max(initial=0.0)
+    share = np.linspace(0.0, 1.0, 2 + math.ceil(longest / (0.5 * grid.resolution)))[:, None, None]
+    cells = np.clip(grid.index_of(starts + share * line), 0, np.array(walls.shape) - 1)
+    return np.asarray(walls[cells[..., 0], cells[..., 1]].any(axis=0))
+
+
+def _standing(view: MapView, reach: CostField) -> NDArray[np.int64]:
+    """(N, 2) cells on the floor that can be walked to."""
+    can_stand = np.isfinite(reach.cost)
+    if view.grid.stairs is not None:
+        can_stand &= ~(np.abs(view.grid.stairs) > ON_FLIGHT_M)  # NaN, no stair, is not
+    return np.argwhere(can_stand)

@@ -10,7 +10,7 @@ from toponav.datasets.objectnav import (
     save_objectnav,
 )
 from toponav.datasets.objectnav_file import is_objectnav_file
-from toponav.datasets.scene_files import missing_scene_message, scene_file
+from toponav.datasets.scene_files import missing_file, scene_file
 
 __all__ = [
     "DatasetReport",
@@ -22,7 +22,7 @@ __all__ = [
     "is_benchmark",
     "is_objectnav_file",
     "load_objectnav",
-    "missing_scene_message",
+    "missing_file",
     "save_objectnav",
     "scene_file",
 ]

@@ -20,6 +20,14 @@ class Version(Enum):
     OTHER = "other"
 
 
+_ANNOTATIONS = {
+    Version.HM3D_V1: (".semantic.glb", ".semantic.txt"),
+    Version.HM3D_V2: (".semantic.glb", ".semantic.txt"),
+    Version.MP3D_V1: (".house", "_semantic.ply"),
+    Version.OTHER: (),
+}
+"""How the names of the annotations end; those of other datasets are not known beforehand."""
+
 HM3D_RELEASES = {Version.HM3D_V1: "v0.1", Version.HM3D_V2: "v0.2"}
 """The releases of the scans to which the episodes belong."""
 
@@ -58,23 +66,49 @@ def scene_file(scene_id: str, data: Path) -> Path:
     return data / SCENES_FOLDER / inside
 
 
-def missing_scene_message(scene_id: str, data: Path) -> str:
-    """One line: which file is missing, where it is expected, and how to come by it."""
-    return (
-        f"{scene_file(scene_id, data)}: no such scene; {_how_to_get(scene_id)} "
-        f"(--data names the folder that holds {SCENES_FOLDER})"
-    )
+def scene_files(scene_id: str, data: Path) -> tuple[Path, ...]:
+    """A scene and the annotations that its dataset publishes beside it.
+
+    Args:
+        scene_id: As in the episode file.
+        data: The data folder.
+
+    Raises:
+        InputError: The id leads out of the folder of the scenes.
+    """
+    stage, name = scene_file(scene_id, data), scene_name(scene_id)
+    annotations = tuple(stage.with_name(name + end) for end in _ANNOTATIONS[version_of(scene_id)])
+    return (stage, *annotations)
+
+
+def missing_file(scene_id: str, data: Path) -> str | None:
+    """One line about the first of a scene's files that is missing; None where all are there.
+
+    It says where the file is expected and how to come by it.
+
+    Raises:
+        InputError: The id leads out of the folder of the scenes.
+    """
+    for path in scene_files(scene_id, data):
+        if not path.is_file():
+            return (
+                f"{path}: no such file; {_how_to_get(scene_id)} (--data names the folder that "
+                f"holds {SCENES_FOLDER})"
+            )
+    return None
 
 
 def _how_to_get(scene_id: str) -> str:
-    """What a licensee does to have the scene."""
+    """What a licensee does to have the scene and its annotations."""
     version = version_of(scene_id)
     if version in HM3D_RELEASES:
-        split = (*PurePosixPath(scene_id).parts, "val")[1]
+        folder, split = (*PurePosixPath(scene_id).parts, "val")[:2]
+        release = HM3D_RELEASES[version]
         return (
             "HM3D is licensed: ask for access at matterport.com/habitat-matterport-3d-research-"
-            "dataset, then run python -m habitat_sim.utils.datasets_download --uids "
-            f"hm3d_{split}_{HM3D_RELEASES[version]}"
+            f"dataset, run python -m habitat_sim.utils.datasets_download --uids hm3d_{split}_"
+            f"{release}, and let {SCENES_FOLDER}/{folder} be (a link to) what it puts into "
+            f"versioned_data/hm3d-{release[1:]}/hm3d"
         )
     if version is Version.MP3D_V1:
         return (

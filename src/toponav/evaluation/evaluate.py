@@ -14,6 +14,7 @@ from toponav.evaluation.crew import Crew, InProcess, Outcome, WorkerFactory, dri
 from toponav.evaluation.episode_worker import EpisodeWorker
 from toponav.evaluation.metrics import BENCHMARK_RADIUS_M
 from toponav.evaluation.model_files import ModelFiles, check_replay
+from toponav.evaluation.other_floor import only
 from toponav.evaluation.results import EpisodeResult
 from toponav.evaluation.run_config import RunConfig
 from toponav.evaluation.run_folder import RunFolder, RunRequest
@@ -70,6 +71,8 @@ def evaluate(
     """
     source = open_source(request.source, request.labels, request.data)
     tasks = plan(source.outlines(), request.episodes)
+    if request.only is not None:
+        tasks = only(tasks, source, request.only)
     if request.shard is not None:
         tasks = shard(tasks, request.shard)
     if request.workers < 1:

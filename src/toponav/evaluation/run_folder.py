@@ -15,6 +15,7 @@ from toponav.config_model import ConfigModel
 from toponav.errors import ConfigError, InputError
 from toponav.evaluation.crew import Outcome
 from toponav.evaluation.journal import Journal
+from toponav.evaluation.other_floor import Only
 from toponav.evaluation.results import json_ready
 from toponav.evaluation.run_config import RunConfig
 from toponav.files import append_line, discard_temporaries, write_atomic
@@ -30,6 +31,7 @@ FREE_TO_CHANGE = frozenset(
     [
         "episodes",
         "data",
+        "only",
         "shard",
         "workers",
         "ray_address",
@@ -50,6 +52,9 @@ class RunRequest(ConfigModel):
 
     episodes: int | None = None
     """How many in all; None runs those that the scenes bring."""
+
+    only: Only | None = None
+    """Of those, only the ones that need a change of floor, or only the others."""
 
     labels: Path | None = None
     """Label table of mesh scenes."""

@@ -14,7 +14,7 @@ from toponav.datasets import (
     is_benchmark,
     is_objectnav_file,
     load_objectnav,
-    missing_scene_message,
+    missing_file,
     scene_file,
 )
 from toponav.datasets.scene_files import scene_name
@@ -78,11 +78,11 @@ class ObjectNavSource:
     data: Path
 
     def outlines(self) -> list[SceneOutline]:
-        """The scenes, in the order of the file; a scene whose file is missing is an error."""
+        """The scenes, in the order of the file; one that lacks a file is an error."""
         counts = Counter(episode.scene_id for episode in self._episodes)
         for scene_id in counts:
-            if not scene_file(scene_id, self.data).is_file():
-                raise SceneError(missing_scene_message(scene_id, self.data))
+            if (missing := missing_file(scene_id, self.data)) is not None:
+                raise SceneError(missing)
         return [SceneOutline(key, scene_name(key), count) for key, count in counts.items()]
 
     def load(self, spec: str) -> Scene:

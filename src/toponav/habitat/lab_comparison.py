@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import contextlib
 import math
-import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from toponav.datasets import ObjectNavEpisode, load_objectnav
-from toponav.envs.habitat.simulator import FIRST_EGL_DEVICE, GPU_VARIABLE, import_habitat_sim
+from toponav.envs.habitat.simulator import gpu_device, import_habitat_sim
 from toponav.errors import InputError, MissingExtraError
 from toponav.evaluation.results import Score, score_episode
 from toponav.evaluation.run_config import RunConfig
@@ -186,7 +185,7 @@ def _task(habitat: Any, path: Path, data: Path, config: RunConfig) -> Any:
     OmegaConf.set_readonly(task, False)
     with open_dict(task):
         simulator = task.habitat.simulator
-        simulator.habitat_sim_v0.gpu_device_id = int(os.environ.get(GPU_VARIABLE, FIRST_EGL_DEVICE))
+        simulator.habitat_sim_v0.gpu_device_id = gpu_device()
         sensors = simulator.agents.main_agent.sim_sensors
         sensors.semantic_sensor = HabitatSimSemanticSensorConfig(
             type=_semantic_sensor(),

@@ -108,6 +108,9 @@ def _crossings(
     found = np.empty((height * width // CROSSING_STRIDE**2 + height + width, 2), np.int64)
     count = 0
     for v in range(0, height, CROSSING_STRIDE):
+        slope, start = R[2, 0], R[2, 1] * ray_y[v] + R[2, 2]
+        if not _reaches_below(depth[v], ray_x, (slope, start, t[2]), window, below_z):
+            continue
         for u in range(0, width, CROSSING_STRIDE):
             fall = R[2, 0] * ray_x[u] + R[2, 1] * ray_y[v] + R[2, 2]
             if fall >= 0.0:
@@ -126,3 +129,21 @@ def _crossings(
                 found[count, 0], found[count, 1] = i, j
                 count += 1
     return found[:count]
+
+
+@njit(cache=True)
+def _reaches_below(
+    depth: NDArray[np.float32],
+    ray_x: NDArray[np.float64],
+    line: tuple[float, float, float],
+    window: DepthWindow,
+    below_z: float,
+) -> bool:
+    """Whether anything in a row may lie below a height: a loop that becomes vectors."""
+    slope, start, t_z = line
+    margin = 1e-6  # rounds otherwise than the exact look that follows
+    count = 0
+    for u in range(depth.size):
+        is_below = t_z + float(depth[u]) * (slope * ray_x[u] + start) <= below_z + margin
+        count += int(is_below & (depth[u] < window.max_depth))
+    return count > 0

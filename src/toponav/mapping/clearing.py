@@ -107,13 +107,11 @@ class Clearing:
         Args:
             points: (N, 3) centroids of all slots, metres.
         """
-        new = points[self._watched :, :2]
-        if not len(new):
+        if len(points) == self._watched:
             return
-        tile = np.floor(new / TILE_M).astype(np.int64)
-        self._make_room(tile.min(axis=0), tile.max(axis=0) + 1, len(points))
-        local = tile - self._tiles.corner
-        _link(self._tiles, local, self._watched)
+        low, end = _tiles_about(points[self._watched :])
+        self._make_room(low, end, len(points))
+        _link(self._tiles, points, self._watched)
         self._watched = len(points)
 
     def look(
@@ -173,12 +171,24 @@ class _Rules(NamedTuple):
 
 
 @njit(cache=True)
-def _link(tiles: _Tiles, local: NDArray[np.int64], start: int) -> None:
+def _tiles_about(points: NDArray[np.float32]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """(2,) indices of the first tile that holds a point, and of the one after the last."""
+    low, end = np.full(2, np.iinfo(np.int64).max), np.full(2, np.iinfo(np.int64).min)
+    for row in range(points.shape[0]):
+        for axis in range(2):
+            tile = int(np.floor(points[row, axis] / TILE_M))
+            low[axis], end[axis] = min(low[axis], tile), max(end[axis], tile + 1)
+    return low, end
+
+
+@njit(cache=True)
+def _link(tiles: _Tiles, points: NDArray[np.float32], start: int) -> None:
     """Put slots from `start` on into the lists of their tiles."""
-    for row in range(local.shape[0]):
-        i, j = local[row, 0], local[row, 1]
-        tiles.after[start + row] = tiles.first[i, j]
-        tiles.first[i, j] = start + row
+    for slot in range(start, points.shape[0]):
+        i = int(np.floor(points[slot, 0] / TILE_M)) - tiles.corner[0]
+        j = int(np.floor(points[slot, 1] / TILE_M)) - tiles.corner[1]
+        tiles.after[slot] = tiles.first[i, j]
+        tiles.first[i, j] = slot
 
 
 class _Sight(NamedTuple):
@@ -244,36 +254,84 @@ def _look(
     rules: _Rules,
 ) -> NDArray[np.int32]:
     """Count the frames that look through each voxel about; returns those looked through enough."""
-    points, counts, layers = voxels
-    t = frame.translation
-    reach_m = rules.range_m
+    t, reach_m = frame.translation, rules.range_m
     low_i = max(0, int(np.floor((t[0] - reach_m) / TILE_M)) - tiles.corner[0])
     low_j = max(0, int(np.floor((t[1] - reach_m) / TILE_M)) - tiles.corner[1])
     high_i = int(np.floor((t[0] + reach_m) / TILE_M)) - tiles.corner[0] + 1
     high_j = int(np.floor((t[1] + reach_m) / TILE_M)) - tiles.corner[1] + 1
     sight, projection = _sight_of(frame), _projection_of(frame)
-    gone = []
+    gone, found = np.empty(0, np.int32), 0
     for i in range(low_i, min(high_i, tiles.first.shape[0])):
         for j in range(low_j, min(high_j, tiles.first.shape[1])):
             east = (tiles.corner[0] + i + 0.5) * TILE_M - t[0]
             north = (tiles.corner[1] + j + 0.5) * TILE_M - t[1]
             if not _may_be_seen(sight, east, north, reach_m):
                 continue
-            slot = tiles.first[i, j]
-            while slot != NONE:
-                seen = UNSEEN
-                if counts[slot] > 0 and misses[slot] != SHOWN:
-                    seen = _through(frame, projection, points, slot, rules)
-                if seen == THERE and misses[slot] > 0:
-                    misses[slot] = 0
-                elif seen == THROUGH and not (
-                    layers[slot] >= 0 and layers[slot] % LAYERS == STAIRS
-                ):
-                    misses[slot] += 1
-                    if misses[slot] >= rules.frames:
-                        gone.append(slot)
-                slot = tiles.after[slot]
-    return np.array(gone, dtype=np.int32)
+            listed = (tiles.first[i, j], tiles.after)
+            tile_gone = _look_at_tile(listed, (frame, projection), voxels, misses, rules)
+            if tile_gone.size:
+                gone = np.concatenate((gone[:found], tile_gone))
+                found = gone.size
+    return gone
+
+
+@njit(cache=True, error_model="numpy")
+def _look_at_tile(
+    listed: tuple[int, NDArray[np.int32]],
+    view: tuple[Frame, _Projection],
+    voxels: Voxels,
+    misses: NDArray[np.uint8],
+    rules: _Rules,
+) -> NDArray[np.int32]:
+    """`_look` at the voxels of one tile; numbers are at hand and not in tuples, for the loop."""
+    slot, after = listed
+    points, counts, layers = voxels
+    (image, _, _, _, R, t), (focal_u, focal_v, center_u, center_v) = view
+    frames, margin_m, margin_per_m2, half_m, range_m = rules
+    r00, r10, r20 = R[0, 0], R[1, 0], R[2, 0]
+    r01, r11, r21 = R[0, 1], R[1, 1], R[2, 1]
+    r02, r12, r22 = R[0, 2], R[1, 2], R[2, 2]
+    t0, t1, t2 = t[0], t[1], t[2]
+    last_v, last_u = image.shape[0] - 0.5, image.shape[1] - 0.5
+    gone, found = np.empty(4, np.int32), 0
+    while slot != NONE:
+        this, slot = slot, after[slot]
+        if counts[this] == 0 or misses[this] == SHOWN:
+            continue
+        x = float(points[this, 0]) - t0
+        y = float(points[this, 1]) - t1
+        z = float(points[this, 2]) - t2
+        depth = r02 * x + r12 * y + r22 * z
+        if depth < 2.0 * half_m or depth > range_m:
+            continue
+        # Half a pixel more, so that the integer part is the nearest pixel.
+        nearness = 1.0 / depth
+        per_u, per_v = focal_u * nearness, focal_v * nearness
+        u = (r00 * x + r10 * y + r20 * z) * per_u + center_u
+        v = (r01 * x + r11 * y + r21 * z) * per_v + center_v
+        half_u, half_v = half_m * per_u, half_m * per_v
+        if not (half_u + 0.5 <= u <= last_u - half_u and half_v + 0.5 <= v <= last_v - half_v):
+            continue
+        margin = margin_m + margin_per_m2 * depth * depth
+        middle = image[int(v), int(u)]
+        if middle <= depth + margin:
+            if middle > max(0.0, depth - margin):
+                misses[this] = 0
+            continue
+        if layers[this] >= 0 and layers[this] % LAYERS == STAIRS and misses[this] == 0:
+            continue
+        there = (depth - margin, depth + margin)
+        seen = _through_footprint(image, (u, v), (half_u, half_v), there)
+        if seen == THERE:
+            misses[this] = 0
+        elif seen == THROUGH and not (layers[this] >= 0 and layers[this] % LAYERS == STAIRS):
+            misses[this] += 1
+            if misses[this] >= frames:
+                if found == gone.size:
+                    gone = np.append(gone, np.empty(found, np.int32))
+                gone[found] = this
+                found += 1
+    return gone[:found]
 
 
 UNSEEN, THERE, THROUGH = 0, 1, 2
@@ -297,38 +355,6 @@ def _projection_of(frame: Frame) -> _Projection:
     return _Projection(
         focal_u, focal_v, -frame.ray_x[0] * focal_u + 0.5, -frame.ray_y[0] * focal_v + 0.5
     )
-
-
-@njit(cache=True, error_model="numpy")
-def _through(
-    frame: Frame,
-    projection: _Projection,
-    points: NDArray[np.float32],
-    slot: int,
-    rules: _Rules,
-) -> int:
-    """Whether the image shows something at a voxel, or only what lies behind it."""
-    R, image = frame.rotation, frame.depth
-    x = float(points[slot, 0]) - frame.translation[0]
-    y = float(points[slot, 1]) - frame.translation[1]
-    z = float(points[slot, 2]) - frame.translation[2]
-    depth = R[0, 2] * x + R[1, 2] * y + R[2, 2] * z
-    if depth < 2.0 * rules.half_m or depth > rules.range_m:
-        return UNSEEN
-    # Half a pixel more, so that the integer part is the nearest pixel.
-    nearness = 1.0 / depth
-    per_u, per_v = projection.focal_u * nearness, projection.focal_v * nearness
-    u = (R[0, 0] * x + R[1, 0] * y + R[2, 0] * z) * per_u + projection.center_u
-    v = (R[0, 1] * x + R[1, 1] * y + R[2, 1] * z) * per_v + projection.center_v
-    half_u, half_v = rules.half_m * per_u, rules.half_m * per_v
-    last_v, last_u = image.shape[0] - 0.5, image.shape[1] - 0.5
-    if not (half_u + 0.5 <= u <= last_u - half_u and half_v + 0.5 <= v <= last_v - half_v):
-        return UNSEEN
-    margin = rules.margin_m + rules.margin_per_m2 * depth * depth
-    middle = image[int(v), int(u)]
-    if middle <= depth + margin:
-        return THERE if middle > max(0.0, depth - margin) else UNSEEN
-    return _through_footprint(image, (u, v), (half_u, half_v), (depth - margin, depth + margin))
 
 
 @njit(cache=True)

@@ -36,6 +36,31 @@ FLIGHT_END_M = 0.3
 NEIGHBOURS = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
 
 
+def tread_heights(
+    grid: OccupancyGrid, seen: NDArray[np.float32], stood: NDArray[np.float32], floor_z: float
+) -> NDArray[np.float32] | None:
+    """(N_x, N_y) heights of stairs over the floor, NaN where there are none; None without any.
+
+    Where the agent stood tells only of cells in which no stairs were seen: the disc under its foot
+    reaches over the edge of its tread.
+
+    Args:
+        grid: Says where the cells are.
+        seen: (N, 3) points of stairs.
+        stood: (M, 3) points under the agent's feet, above or below the floor.
+        floor_z: Height of the floor, metres.
+    """
+    if not len(seen) and not len(stood):
+        return None
+    layers = []
+    for points in (seen, stood):
+        highest = np.full(grid.cells.shape, -np.inf, np.float32)
+        cell = grid.index_of(points)
+        np.maximum.at(highest, (cell[:, 0], cell[:, 1]), points[:, 2] - np.float32(floor_z))
+        layers.append(np.where(np.isneginf(highest), np.float32(np.nan), highest))
+    return np.where(np.isnan(layers[0]), layers[1], layers[0])
+
+
 def beside_unknown(grid: OccupancyGrid, xy: NDArray[np.float64]) -> NDArray[np.bool_]:
     """(N,) which of (N, 2) places lie in cells with an unknown 4-neighbour."""
     unknown = np.pad(grid.cells == UNKNOWN, 1, constant_values=True)

@@ -118,20 +118,19 @@ class FloorLayers:
     def update(self, slots: NDArray[np.int32]) -> None:
         """Sort scene voxels whose centroid or label changed, or that were emptied."""
         self._follow_storage()
-        before = self._codes[slots]
         ascending = sorted(self._floors, key=lambda floor: floor.z)
-        _classify(
+        arrays = self._scene.arrays
+        moved, before = _classify(
             slots,
-            (self._scene.arrays.points, self._scene.arrays.counts, self._is_stairs),
+            (arrays.points, arrays.counts, self._is_stairs),
             np.array([floor.z for floor in ascending]),
             np.array([floor.index for floor in ascending]),
             self._heights,
             self._codes,
         )
-        after = self._codes[slots]
-        moved = before != after
-        self._count(slots[moved], before[moved], -1)
-        self._count(slots[moved], after[moved], +1)
+        if len(moved):
+            self._count(moved, before, -1)
+            self._count(moved, self._codes[moved], +1)
 
     def navigable(self, floor: Floor) -> NDArray[np.int64]:
         """Slots of the scene voxels in M_nav of a floor, in order of first observation."""
@@ -203,10 +202,15 @@ def _classify(
     floor_index: NDArray[np.int64],
     heights: tuple[float, float],
     codes: NDArray[np.int16],
-) -> None:
-    """Write the codes of voxels; the floors are in ascending order of height."""
+) -> tuple[NDArray[np.int32], NDArray[np.int16]]:
+    """Write the codes of voxels; returns those whose code changed, and what it was before.
+
+    The floors are in ascending order of height.
+    """
     points, counts, is_stairs = voxels
     delta, obstacle_top = heights
+    moved, before = np.empty(slots.size, np.int32), np.empty(slots.size, np.int16)
+    changed = 0
     for row in range(slots.size):
         slot = slots[row]
         z = points[slot, 2]
@@ -222,7 +226,11 @@ def _classify(
             code = floor_index[below] * LAYERS + NAVIGABLE
         elif below >= 0 and z < floor_z[below] + obstacle_top:
             code = floor_index[below] * LAYERS + OBSTACLE
-        codes[slot] = code
+        if codes[slot] != code:
+            moved[changed], before[changed] = slot, codes[slot]
+            codes[slot] = code
+            changed += 1
+    return moved[:changed], before[:changed]
 
 
 @njit(cache=True)

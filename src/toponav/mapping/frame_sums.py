@@ -29,6 +29,13 @@ such numbers make one code that a double holds exactly."""
 NOWHERE = -np.inf
 """Code of a pixel that does not count."""
 
+DOUBT = 1e-8
+"""Nearer than this to an integer, in voxels, a product may lie on the other side of it than the
+quotient that it stands for: many times the rounding of numbers up to 2^20."""
+
+_Lines = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
+"""For each axis of the world slope, start and shift: x_w = d (slope ray_x + start) + shift."""
+
 COLOR_BITS = 21
 """Bits of a channel in a packed sum over a row: 2^21 / 255 pixels are more than a row has."""
 
@@ -64,23 +71,12 @@ class FrameSums(NamedTuple):
     """Sums over a frame's pixels, by voxel and set of labels; a voxel may come up more than once.
 
     Attributes:
-        voxels: The sums.
+        voxels: The sums; they lie in the scratch, and are overwritten with the next frame.
         labels: (N,) uint32 the labels of these pixels, a bit each.
     """
 
     voxels: VoxelSums
     labels: NDArray[np.uint32]
-
-    def of(self, label: int) -> VoxelSums:
-        """Those of the pixels that have a label, by its bit."""
-        chosen = np.flatnonzero((self.labels >> np.uint32(label)) & np.uint32(1))
-        keys, offset_sums, color_sums, counts = self.voxels
-        return VoxelSums(
-            keys[chosen],
-            np.take(offset_sums, chosen, axis=0),
-            np.take(color_sums, chosen, axis=0),
-            counts[chosen],
-        )
 
 
 class _Row(NamedTuple):
@@ -91,6 +87,7 @@ class _Row(NamedTuple):
         depth_sums: (W + 1,) sums over the pixels before one: of the depths,
         lateral_sums: (W + 1,) of the camera's x,
         color_sums: (W + 1,) of the packed colours.
+        breaks: (W,) whether a run starts here; true for the first pixel.
         starts: (W + 1,) first pixels of the runs: neighbours in one voxel, with the same labels.
     """
 
@@ -98,35 +95,28 @@ class _Row(NamedTuple):
     depth_sums: NDArray[np.float64]
     lateral_sums: NDArray[np.float64]
     color_sums: NDArray[np.uint64]
+    breaks: NDArray[np.bool_]
     starts: NDArray[np.int32]
 
 
 class _Gathered(NamedTuple):
-    """Sums in the making, in the camera's frame.
+    """Sums in the making.
 
     Attributes:
         codes: (N,) voxels, as in `_Row`.
         labels: (N,) labels of the pixels.
-        camera_sums: (N, 3) sums of the camera's x, y and z.
+        sums: (N, 3) sums of the camera's x, y and z; at last of the offsets in the voxel.
         color_sums: (N, 3).
         counts: (N,) pixels.
+        keys: (N,) at last the packed keys of the voxels.
     """
 
     codes: NDArray[np.float64]
     labels: NDArray[np.uint32]
-    camera_sums: NDArray[np.float64]
+    sums: NDArray[np.float64]
     color_sums: NDArray[np.uint32]
     counts: NDArray[np.int32]
-
-    def first(self, found: int) -> _Gathered:
-        """The first so many."""
-        return _Gathered(
-            self.codes[:found],
-            self.labels[:found],
-            self.camera_sums[:found],
-            self.color_sums[:found],
-            self.counts[:found],
-        )
+    keys: NDArray[np.int64]
 
 
 class Masks(NamedTuple):
@@ -162,6 +152,7 @@ def _room_for(pixels: int) -> _Gathered:
         np.empty((pixels, 3), np.float64),
         np.empty((pixels, 3), np.uint32),
         np.empty(pixels, np.int32),
+        np.empty(pixels, np.int64),
     )
 
 
@@ -180,10 +171,14 @@ def sum_frame(
     gathered = scratch.for_pixels(frame.depth.size)
     camera = np.floor(frame.translation / resolution)
     found = _gather_frame(frame, window, masks, (camera, resolution), gathered)
-    gathered = gathered.first(found)
-    keys, offsets = _to_world(frame, (camera, resolution), gathered)
-    sums = VoxelSums(keys, offsets, gathered.color_sums, gathered.counts)
-    return FrameSums(sums, gathered.labels)
+    _to_world(frame, (camera, resolution), gathered, found)
+    sums = VoxelSums(
+        gathered.keys[:found],
+        gathered.sums[:found],
+        gathered.color_sums[:found],
+        gathered.counts[:found],
+    )
+    return FrameSums(sums, gathered.labels[:found])
 
 
 @njit(cache=True)
@@ -196,12 +191,12 @@ def _gather_frame(
 ) -> int:
     """Sum all rows; returns the number of sums."""
     height, width = frame.depth.shape
-    camera, resolution = lattice
     row = _Row(
         np.empty(width),
         np.zeros(width + 1),
         np.zeros(width + 1),
         np.zeros(width + 1, np.uint64),
+        np.ones(width, np.bool_),
         np.empty(width + 1, np.int32),
     )
     labels = np.zeros(width, np.uint32)
@@ -209,22 +204,28 @@ def _gather_frame(
     gathered.codes[0], found = NOWHERE, 0
     for v in range(height):
         depth = frame.depth[v]
-        row.codes[:] = 0.0
-        for axis in range(3):
-            # Eq. (1) in eq. (2): x_w = d (R [ray_x, ray_y, 1]^T) + t.
-            slope = frame.rotation[axis, 0]
-            start = frame.rotation[axis, 1] * frame.ray_y[v] + frame.rotation[axis, 2]
-            line = (slope, start, frame.translation[axis])
-            _encode(depth, frame.ray_x, line, (camera[axis], resolution), row.codes)
+        if not _encode(depth, frame.ray_x, _lines_of(frame, v), lattice, row.codes):
+            _encode_exactly(depth, frame.ray_x, _lines_of(frame, v), lattice, row.codes)
         _leave_out(depth, window, row.codes)
         labels[:] = 0
         for instance in range(masks.bits.size):
             if masks.bits[instance] >= 0:
                 _label(masks.pixels[instance, v], np.uint32(1 << masks.bits[instance]), labels)
-        runs = _find_runs(row.codes, labels, row.starts)
+        runs = _find_runs(row.codes, labels, row.breaks, row.starts)
         _accumulate(depth, frame.ray_x, frame.rgb[v], row)
         found = _gather_row((row, runs, frame.ray_y[v]), labels, recent, gathered, found)
     return found
+
+
+@njit(cache=True)
+def _lines_of(frame: Frame, v: int) -> _Lines:
+    """Eq. (1) in eq. (2) along a row: x_w = d (R [ray_x, ray_y, 1]^T) + t."""
+    R, t, y = frame.rotation, frame.translation, frame.ray_y[v]
+    return (
+        (R[0, 0], R[0, 1] * y + R[0, 2], t[0]),
+        (R[1, 0], R[1, 1] * y + R[1, 2], t[1]),
+        (R[2, 0], R[2, 1] * y + R[2, 2], t[2]),
+    )
 
 
 @njit(cache=True)
@@ -234,20 +235,53 @@ def _label(mask: NDArray[np.bool_], label: np.uint32, labels: NDArray[np.uint32]
         labels[u] |= label * np.uint32(mask[u])
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True)
 def _encode(
     depth: NDArray[np.float32],
     ray_x: NDArray[np.float64],
-    line: tuple[float, float, float],
-    lattice: tuple[float, float],
+    lines: _Lines,
+    lattice: tuple[NDArray[np.float64], float],
+    codes: NDArray[np.float64],
+) -> bool:
+    """Write the voxels of a row as codes; returns whether they are those that division gives.
+
+    To multiply by 1 / resolution costs a fraction of dividing, and may end up in the neighbouring
+    voxel only where the quotient is an integer but for rounding.
+    """
+    (slope_x, start_x, t_x), (slope_y, start_y, t_y), (slope_z, start_z, t_z) = lines
+    camera, resolution = lattice
+    camera_x, camera_y, camera_z = camera[0], camera[1], camera[2]
+    per_m = 1.0 / resolution
+    doubtful = 0
+    for u in range(depth.size):
+        d, r = float(depth[u]), ray_x[u]
+        x = (d * (slope_x * r + start_x) + t_x) * per_m
+        y = (d * (slope_y * r + start_y) + t_y) * per_m
+        z = (d * (slope_z * r + start_z) + t_z) * per_m
+        i, j, k = np.floor(x), np.floor(y), np.floor(z)
+        codes[u] = ((i - camera_x) * SPAN + (j - camera_y)) * SPAN + (k - camera_z)
+        off_middle = max(abs(x - i - 0.5), abs(y - j - 0.5), abs(z - k - 0.5))
+        doubtful += int(off_middle > 0.5 - DOUBT)
+    return doubtful == 0
+
+
+@njit(cache=True, error_model="numpy")
+def _encode_exactly(
+    depth: NDArray[np.float32],
+    ray_x: NDArray[np.float64],
+    lines: _Lines,
+    lattice: tuple[NDArray[np.float64], float],
     codes: NDArray[np.float64],
 ) -> None:
-    """Append the voxels' indices along one axis, from the camera's, to a row's codes."""
-    slope, start, shift = line
+    """As `_encode`, by division."""
     camera, resolution = lattice
-    for u in range(depth.size):
-        x = float(depth[u]) * (slope * ray_x[u] + start) + shift
-        codes[u] = codes[u] * SPAN + (np.floor(x / resolution) - camera)
+    codes[:] = 0.0
+    for axis in range(3):
+        slope, start, shift = lines[axis]
+        first = camera[axis]
+        for u in range(depth.size):
+            x = float(depth[u]) * (slope * ray_x[u] + start) + shift
+            codes[u] = codes[u] * SPAN + (np.floor(x / resolution) - first)
 
 
 @njit(cache=True)
@@ -260,18 +294,19 @@ def _leave_out(depth: NDArray[np.float32], window: DepthWindow, codes: NDArray[n
 
 @njit(cache=True)
 def _find_runs(
-    codes: NDArray[np.float64], labels: NDArray[np.uint32], starts: NDArray[np.int32]
+    codes: NDArray[np.float64],
+    labels: NDArray[np.uint32],
+    breaks: NDArray[np.bool_],
+    starts: NDArray[np.int32],
 ) -> int:
-    """Write where the runs start; returns their number."""
-    width = codes.size
-    breaks = np.ones(width, np.bool_)
-    for u in range(1, width):
+    """Write where the runs start; returns their number. First vectors, then without branches."""
+    for u in range(1, codes.size):
         breaks[u] = (codes[u] != codes[u - 1]) | (labels[u] != labels[u - 1])
     runs = 0
-    for u in range(width):
+    for u in range(codes.size):
         starts[runs] = u
         runs += int(breaks[u])
-    starts[runs] = width
+    starts[runs] = codes.size
     return runs
 
 
@@ -306,7 +341,7 @@ def _gather_row(
 ) -> int:
     """Add a row's runs to the sums of their voxels; returns the number of sums."""
     row, runs, ray_y = part
-    codes, all_labels, camera_sums, color_sums, counts = gathered
+    codes, all_labels, sums, color_sums, counts, _ = gathered
     for run in range(runs):
         start, end = row.starts[run], row.starts[run + 1]
         code, label = row.codes[start], labels[start]
@@ -320,12 +355,12 @@ def _gather_row(
             recent[place] = total
             codes[total], all_labels[total], counts[total] = code, label, 0
             for axis in range(3):
-                camera_sums[total, axis], color_sums[total, axis] = 0.0, 0
+                sums[total, axis], color_sums[total, axis] = 0.0, 0
             found += 1
         depth = row.depth_sums[end] - row.depth_sums[start]
-        camera_sums[total, 0] += row.lateral_sums[end] - row.lateral_sums[start]
-        camera_sums[total, 1] += depth * ray_y
-        camera_sums[total, 2] += depth
+        sums[total, 0] += row.lateral_sums[end] - row.lateral_sums[start]
+        sums[total, 1] += depth * ray_y
+        sums[total, 2] += depth
         color = row.color_sums[end] - row.color_sums[start]
         color_sums[total, 0] += np.uint32(color & COLOR_MASK)
         color_sums[total, 1] += np.uint32((color >> np.uint64(COLOR_BITS)) & COLOR_MASK)
@@ -336,24 +371,22 @@ def _gather_row(
 
 @njit(cache=True)
 def _to_world(
-    frame: Frame, lattice: tuple[NDArray[np.float64], float], gathered: _Gathered
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """(N,) keys of the voxels, and (N, 3) sums of the offsets from their lower corners."""
+    frame: Frame, lattice: tuple[NDArray[np.float64], float], gathered: _Gathered, found: int
+) -> None:
+    """Write the voxels' keys, and instead of the sums those of the offsets from lower corners."""
+    codes, _, sums, _, counts, keys = gathered
     camera, resolution = lattice
+    camera_i, camera_j, camera_k = int(camera[0]), int(camera[1]), int(camera[2])
     R, t = frame.rotation, frame.translation
-    found = gathered.codes.size
-    keys, offsets = np.empty(found, np.int64), np.empty((found, 3))
-    index = np.empty(3, np.int64)
     for row in range(found):
-        code = int(gathered.codes[row])
-        for axis in range(2, -1, -1):
-            digit = (code + SPAN // 2) % SPAN - SPAN // 2
-            index[axis] = digit + int(camera[axis])
-            code = (code - digit) // SPAN
+        code = int(codes[row])
+        k = (code + SPAN // 2) % SPAN - SPAN // 2
+        code = (code - k) // SPAN
+        j = (code + SPAN // 2) % SPAN - SPAN // 2
+        index = ((code - j) // SPAN + camera_i, j + camera_j, k + camera_k)
         keys[row] = pack_key(index[0], index[1], index[2])
-        x, y, z = gathered.camera_sums[row]
+        x, y, z = sums[row, 0], sums[row, 1], sums[row, 2]
         for axis in range(3):
             along = R[axis, 0] * x + R[axis, 1] * y + R[axis, 2] * z
             shift = t[axis] - index[axis] * resolution
-            offsets[row, axis] = along + gathered.counts[row] * shift
-    return keys, offsets
+            sums[row, axis] = along + counts[row] * shift

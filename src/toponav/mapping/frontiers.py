@@ -30,11 +30,12 @@ class FrontierMap:
         self._clearance = clearance_cells
         self._first = grid.first
         self._mask = np.zeros(grid.cells.shape, np.bool_)
+        self._rows = np.zeros(grid.cells.shape, np.int32)
 
     @property
     def nbytes(self) -> int:
         """Memory held, bytes."""
-        return self._mask.nbytes
+        return self._mask.nbytes + self._rows.nbytes
 
     def find(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         """The frontiers now.
@@ -51,9 +52,8 @@ class FrontierMap:
             box = _dilated(changed, max(1, self._clearance))
             mark_frontiers(grid.cells, self._mask, self._clearance, box)
         i, j, i_end, j_end = grid.known
-        mask = self._mask[i:i_end, j:j_end]
-        cells = np.argwhere(mask)
-        labels = label_clusters(mask, cells, self._min_cells)
+        cells = np.argwhere(self._mask[i:i_end, j:j_end])
+        labels = _label(cells, self._min_cells, self._rows[i:i_end, j:j_end])
         kept = labels >= 0
         world = cells[kept] + np.asarray(grid.first) + (i, j)
         return (world + 0.5) * grid.resolution, labels[kept]
@@ -65,6 +65,7 @@ class FrontierMap:
             shift = (self._first[0] - grid.first[0], self._first[1] - grid.first[1])
             shift = shift if self._mask.size else (0, 0)
             self._mask = embedded(self._mask, grid.cells.shape, shift)
+            self._rows = np.zeros(grid.cells.shape, np.int32)
         self._first = grid.first
 
 
@@ -97,7 +98,6 @@ def mark_frontiers(
                             mask[i, j] = False
 
 
-@njit(cache=True)
 def label_clusters(
     mask: NDArray[np.bool_], cells: NDArray[np.int64], min_cells: int
 ) -> NDArray[np.int64]:
@@ -108,9 +108,20 @@ def label_clusters(
         cells: (N, 2) their indices.
         min_cells: Cells of smaller clusters get -1.
     """
-    row_of = np.full(mask.shape, -1, np.int64)
+    labels: NDArray[np.int64] = _label(cells, min_cells, np.zeros(mask.shape, np.int32))
+    return labels
+
+
+@njit(cache=True)
+def _label(
+    cells: NDArray[np.int64], min_cells: int, row_of: NDArray[np.int32]
+) -> NDArray[np.int64]:
+    """As `label_clusters`; (N_x, N_y) `row_of` is all zeros before and afterwards.
+
+    To fill the room for so many numbers would cost more than all the rest.
+    """
     for row in range(len(cells)):
-        row_of[cells[row, 0], cells[row, 1]] = row
+        row_of[cells[row, 0], cells[row, 1]] = row + 1
     labels = np.full(len(cells), -1, np.int64)
     reached = np.zeros(len(cells), np.bool_)
     queue = np.empty(len(cells), np.int64)
@@ -123,9 +134,9 @@ def label_clusters(
         while head < tail:
             i, j = cells[queue[head], 0], cells[queue[head], 1]
             head += 1
-            for a in range(max(0, i - 1), min(mask.shape[0], i + 2)):
-                for b in range(max(0, j - 1), min(mask.shape[1], j + 2)):
-                    row = row_of[a, b]
+            for a in range(max(0, i - 1), min(row_of.shape[0], i + 2)):
+                for b in range(max(0, j - 1), min(row_of.shape[1], j + 2)):
+                    row = row_of[a, b] - 1
                     if row >= 0 and not reached[row]:
                         reached[row] = True
                         queue[tail] = row
@@ -134,4 +145,6 @@ def label_clusters(
             for position in range(tail):
                 labels[queue[position]] = clusters
             clusters += 1
+    for row in range(len(cells)):
+        row_of[cells[row, 0], cells[row, 1]] = 0
     return labels

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -107,9 +108,13 @@ def _walk_rays(
 
 def disc(center: NDArray[np.float64], radius: float, spacing: float) -> NDArray[np.float64]:
     """(K, 3) points of a level disc at `spacing`, the ground under an agent of that radius."""
+    points: NDArray[np.float64] = center + _disc_about_origin(radius, spacing)
+    return points
+
+
+@cache
+def _disc_about_origin(radius: float, spacing: float) -> NDArray[np.float64]:
     reach = int(radius / spacing)
     x, y = np.mgrid[-reach : reach + 1, -reach : reach + 1] * spacing
     inside = np.hypot(x, y) <= radius
-    offsets = np.column_stack([x[inside], y[inside], np.zeros(np.count_nonzero(inside))])
-    points: NDArray[np.float64] = center + offsets
-    return points
+    return np.column_stack([x[inside], y[inside], np.zeros(np.count_nonzero(inside))])

@@ -188,8 +188,8 @@ class FloorGrid:
 
     def _enclose(self, columns: NDArray[np.int64]) -> tuple[Box, NDArray[np.int64]]:
         """Make room for columns; returns their box of storage cells and their storage indices."""
-        low = columns.min(axis=0) // self._columns_per_cell
-        high = columns.max(axis=0) // self._columns_per_cell
+        box = _bounds(columns)
+        low, high = box[0] // self._columns_per_cell, box[1] // self._columns_per_cell
         self._cover(low, high)
         i, j = (int(index) for index in low - self._first)
         i_last, j_last = (int(index) for index in high - self._first)
@@ -251,6 +251,18 @@ def _shifted(box: Box, shift: tuple[int, int]) -> Box:
     if box == EMPTY_BOX:
         return box
     return (box[0] + shift[0], box[1] + shift[1], box[2] + shift[0], box[3] + shift[1])
+
+
+@njit(cache=True)
+def _bounds(columns: NDArray[np.int64]) -> NDArray[np.int64]:
+    """(2, 2) least and greatest of (N, 2) indices, N >= 1."""
+    bounds = np.empty((2, 2), np.int64)
+    bounds[:] = columns[0]
+    for row in range(1, columns.shape[0]):
+        for axis in range(2):
+            bounds[0, axis] = min(bounds[0, axis], columns[row, axis])
+            bounds[1, axis] = max(bounds[1, axis], columns[row, axis])
+    return bounds
 
 
 @njit(cache=True)

@@ -27,9 +27,14 @@ from toponav.config_model import ConfigModel
 from toponav.errors import ObservationError, StaleViewError
 from toponav.mapping.back_projection import PosedFrame
 from toponav.mapping.clearing import Clearing, ClearingConfig, Voxels
-from toponav.mapping.flights import beside_unknown, ends_of_flights, filled_flights
+from toponav.mapping.flights import (
+    beside_unknown,
+    ends_of_flights,
+    filled_flights,
+    tread_heights,
+)
 from toponav.mapping.floors import Floor, FloorLayers
-from toponav.mapping.frame_sums import MAX_LABELS, DepthWindow, Masks, Scratch
+from toponav.mapping.frame_sums import MAX_LABELS, DepthWindow, FrameSums, Masks, Scratch
 from toponav.mapping.frontiers import FrontierMap
 from toponav.mapping.ground import height_of, heights_ahead, level_area_m2
 from toponav.mapping.interpolation import Spacing, disc, interpolate
@@ -42,7 +47,7 @@ from toponav.mapping.view import (
     OccupancyGrid,
     PointCloud,
 )
-from toponav.mapping.voxels import EMPTY, VoxelCloud, VoxelSums, columns_of, frozen
+from toponav.mapping.voxels import EMPTY, VoxelCloud, columns_of, frozen
 from toponav.types import Detections, Observation
 
 HALF_WAY_M = 0.5
@@ -259,7 +264,7 @@ class SemanticMap:
             sums = frame.sums(self.config.r_pcd, masks, self._scratch)
             if start == 0:
                 self._scene.add_sums(sums.voxels)
-            seen += [label for bit, label in enumerate(chunk) if self._add(label, sums.of(bit))]
+            seen += [label for bit, label in enumerate(chunk) if self._add(label, sums, bit)]
         return tuple(seen)
 
     def _clear(self, frame: PosedFrame, touched: NDArray[np.int32]) -> NDArray[np.float32]:
@@ -278,12 +283,12 @@ class SemanticMap:
             self._layers.update(gone)
         return slots.points[gone]
 
-    def _add(self, label: str, sums: VoxelSums) -> bool:
+    def _add(self, label: str, sums: FrameSums, bit: int) -> bool:
         """M_obj^(c) of one category; returns whether there was anything to add."""
-        if not len(sums.keys):
+        cloud = self._objects.get(label) or VoxelCloud(self.config.r_pcd)
+        if not cloud.add_sums(sums.voxels, sums.labels, bit):
             return False
-        cloud = self._objects.setdefault(label, VoxelCloud(self.config.r_pcd))
-        cloud.add_sums(sums)
+        self._objects[label] = cloud
         touched = cloud.refresh()
         if label in self.config.navigable_categories:
             self._layers.mark_stairs(cloud.arrays.keys[touched])
@@ -426,14 +431,10 @@ class SemanticMap:
         """
         config = self.config
         grid = floor.grid.snapshot()
-        stairs = self._scene.arrays.points[self._layers.stairs(floor)]
-        treads = np.vstack([stairs, floor.treads.cloud().points])
-        if not len(treads):
+        seen = self._scene.arrays.points[self._layers.stairs(floor)]
+        heights = tread_heights(grid, seen, floor.treads.cloud().points, floor.z)
+        if heights is None:
             return grid
-        heights = np.full(grid.cells.shape, -np.inf, np.float32)
-        cell = grid.index_of(treads)
-        np.maximum.at(heights, (cell[:, 0], cell[:, 1]), treads[:, 2] - np.float32(floor.z))
-        heights[np.isneginf(heights)] = np.nan
         if not config.stairwells:
             return replace(grid, stairs=frozen(heights))
         cells, heights = filled_flights(grid, heights, floor.grid.floor_cells())
@@ -450,16 +451,8 @@ class SemanticMap:
 
 def _rows(*parts: tuple[PointCloud, NDArray[np.int64]]) -> PointCloud:
     """Chosen rows of clouds, one cloud after the other."""
-    total = sum(len(rows) for _, rows in parts)
-    points = np.empty((total, 3), np.float32)
-    colors = np.empty((total, 3), np.uint8)
-    counts = np.empty(total, np.int32)
-    start = 0
-    for cloud, rows in parts:
-        chosen = slice(start, start + len(rows))
-        # With mode "clip" NumPy writes straight into `out`; the rows are all valid.
-        np.take(cloud.points, rows, axis=0, out=points[chosen], mode="clip")
-        np.take(cloud.colors, rows, axis=0, out=colors[chosen], mode="clip")
-        np.take(cloud.counts, rows, out=counts[chosen], mode="clip")
-        start += len(rows)
+    points, colors, counts = (
+        np.concatenate([getattr(cloud, name)[rows] for cloud, rows in parts])
+        for name in ("points", "colors", "counts")
+    )
     return PointCloud(frozen(points), frozen(colors), frozen(counts))

@@ -14,11 +14,9 @@ from numpy.typing import NDArray
 from toponav.errors import InputError
 from toponav.mapping.floors import Floor
 from toponav.mapping.semantic_map import MapConfig, SemanticMap
-from toponav.mapping.voxels import VoxelCloud
+from toponav.mapping.voxels import KEPT, VoxelCloud
 
 Arrays = dict[str, NDArray[Any]]
-SUMS = ("keys", "offset_sums", "color_sums", "counts")
-"""What makes a cloud."""
 
 
 def map_arrays(semantic_map: SemanticMap) -> Arrays:
@@ -80,8 +78,8 @@ def _restore_floor(
 
 def _cloud_arrays(name: str, cloud: VoxelCloud) -> Arrays:
     kept = np.flatnonzero(cloud.arrays.counts[: len(cloud)])
-    return {f"{name}/{part}": getattr(cloud.arrays, part)[kept] for part in SUMS}
+    return {f"{name}/{part}": getattr(cloud.arrays, part)[kept] for part in KEPT}
 
 
 def _cloud(arrays: Mapping[str, NDArray[Any]], name: str, resolution: float) -> VoxelCloud:
-    return VoxelCloud.from_sums(resolution, *(arrays[f"{name}/{part}"] for part in SUMS))
+    return VoxelCloud.from_arrays(resolution, [arrays[f"{name}/{part}"] for part in KEPT])

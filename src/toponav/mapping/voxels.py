@@ -1,13 +1,15 @@
 """VoxelDownsample(M U new, r) of Section III-C, at the cost of the new points alone.
 
-A voxel keeps the sums of all points that ever fell into it, so its centroid is exact and an update
-touches only the voxels that the new points touch. Voxels are found through a hash table with open
-addressing: integer coordinates packed into one key, linear probing.
+A voxel keeps the mean of all points that ever fell into it, and an update touches only the voxels
+that the new points touch. Means are moved, not worked out anew from sums: that takes half the
+memory, and nothing has to follow before the map can be looked at. Voxels are found through a hash
+table with open addressing: integer coordinates packed into one key, linear probing.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple, TypeVar
+from collections.abc import Sequence
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numba import njit
@@ -27,8 +29,11 @@ AXIS_OFFSET = 1 << (AXIS_BITS - 1)
 AXIS_MASK = (1 << AXIS_BITS) - 1
 
 SETTLED_COUNT = 1 << 24
-"""A voxel that averages this many points takes no more: 2^24 * 255 is the last colour sum that
-32 bits hold, and by then one more point no longer moves the mean."""
+"""A voxel that averages this many points takes no more: long before, one more point no longer moves
+its mean."""
+
+COLOR_STEPS = 256
+"""A mean colour is kept in steps of 1 / 256: a rounded byte, and what rounding left."""
 
 EMPTY = -1
 """What an unused entry of the hash table holds instead of a slot."""
@@ -39,41 +44,58 @@ GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 INITIAL_CAPACITY = 1 << 10
 """Voxels that a new cloud has room for."""
 
-GROWTH = 1.5
+BATCH = 1 << 16
+"""Points that are added at a time: room is made for as many voxels."""
+
+GROWTH = 1.25
 """Factor by which the storage grows."""
 
-ENTRIES_PER_VOXEL = 2
-"""Least number of hash table entries a voxel: at most half full, so that probes stay short."""
+FULLEST = 0.6
+"""Share of the hash table's entries in use, at most, so that probes stay short."""
 
 VOXELS, TOUCHED = 0, 1
 """Entries of `VoxelArrays.sizes`."""
+
+RECORD = np.dtype(
+    [
+        ("keys", "i8"),
+        ("points", "f4", 3),
+        ("counts", "i4"),
+        ("colors", "u1", 3),
+        ("color_rests", "i1", 3),
+        ("is_touched", "?"),
+        ("unused", "u1"),
+    ]
+)
+"""What is known of a voxel, side by side, so that a look at it fetches one line of the cache and
+not six: half of one, 32 bytes."""
 
 
 class VoxelArrays(NamedTuple):
     """The storage of a `VoxelCloud` as kernels see it; C is the capacity, T the table's size.
 
+    What has an entry a slot is a view of one array of `RECORD`.
+
     Attributes:
         table: (T,) int32 slot or EMPTY; T is a power of two.
         keys: (C,) int64 packed key of each slot; slots are numbered by first observation.
-        offset_sums: (C, 3) float64 sums of the points' offsets from the voxel's lower corner.
-        color_sums: (C, 3) uint32.
-        counts: (C,) int32 points summed.
-        points: (C, 3) float32 centroids, up to date except for the touched slots.
-        colors: (C, 3) uint8 mean colours, likewise.
-        touched: (C,) int32 slots touched since the last refresh, in order.
-        is_touched: (C,) bool whether a slot is among them.
+        points: (C, 3) float32 centroids.
+        counts: (C,) int32 points averaged; 0 for a voxel that was emptied.
+        colors: (C, 3) uint8 mean colours.
+        color_rests: (C, 3) int8 what was left when they were rounded, in `COLOR_STEPS`.
+        is_touched: (C,) bool whether a slot was touched since the last refresh.
+        touched: (K,) int32 those slots, in order; K is as many as may be touched.
         sizes: (2,) int64 numbers of VOXELS and of TOUCHED slots.
     """
 
     table: NDArray[np.int32]
     keys: NDArray[np.int64]
-    offset_sums: NDArray[np.float64]
-    color_sums: NDArray[np.uint32]
-    counts: NDArray[np.int32]
     points: NDArray[np.float32]
+    counts: NDArray[np.int32]
     colors: NDArray[np.uint8]
-    touched: NDArray[np.int32]
+    color_rests: NDArray[np.int8]
     is_touched: NDArray[np.bool_]
+    touched: NDArray[np.int32]
     sizes: NDArray[np.int64]
 
 
@@ -82,7 +104,7 @@ class VoxelSums(NamedTuple):
 
     Attributes:
         keys: (N,) int64 packed key of the voxel.
-        offset_sums: (N, 3) float64, as in `VoxelArrays`.
+        offset_sums: (N, 3) float64 sums of the points' offsets from the voxel's lower corner.
         color_sums: (N, 3) uint32.
         counts: (N,) int32 points summed.
     """
@@ -93,8 +115,11 @@ class VoxelSums(NamedTuple):
     counts: NDArray[np.int32]
 
 
-PER_SLOT = tuple(name for name in VoxelArrays._fields if name not in ("table", "sizes"))
-"""The arrays of `VoxelArrays` that have an entry a slot."""
+KEPT = ("keys", "points", "counts", "colors", "color_rests")
+"""Those that make a cloud, in the order that `VoxelCloud.from_arrays` takes them."""
+
+EVERY_POINT = np.zeros(0, np.uint32)
+"""No labels: all sums are added."""
 
 
 class VoxelCloud:
@@ -108,39 +133,39 @@ class VoxelCloud:
     def __init__(self, resolution: float) -> None:
         """Create an empty cloud of voxels with edges of `resolution` metres (r_pcd)."""
         self.resolution = resolution
-        self._arrays = _allocate(INITIAL_CAPACITY)
+        self._records = np.zeros(0, RECORD)
+        self._arrays = VoxelArrays(
+            table=np.zeros(0, np.int32),
+            touched=np.zeros(0, np.int32),
+            sizes=np.zeros(2, np.int64),
+            **_views(self._records),
+        )
+        self.reserve(INITIAL_CAPACITY)
         self.has_gaps = False
         self._without_gaps: PointCloud | None = None
 
     @classmethod
-    def from_sums(
-        cls,
-        resolution: float,
-        keys: NDArray[np.int64],
-        offset_sums: NDArray[np.float64],
-        color_sums: NDArray[np.uint32],
-        counts: NDArray[np.int32],
-    ) -> VoxelCloud:
-        """A cloud from the arrays of another, as `VoxelArrays` describes them.
+    def from_arrays(cls, resolution: float, kept: Sequence[NDArray[Any]]) -> VoxelCloud:
+        """A cloud from the arrays of another: those that `KEPT` names, of as many voxels.
 
         Raises:
             ValueError: The arrays do not belong together.
         """
-        shapes = (keys.shape, offset_sums.shape, color_sums.shape, counts.shape)
-        size = len(keys)
-        if shapes != ((size,), (size, 3), (size, 3), (size,)) or (counts < 1).any():
-            raise ValueError("the arrays of a cloud do not belong together")
-        if len(np.unique(keys)) != size:
-            raise ValueError("a cloud holds a voxel twice")
         cloud = cls(resolution)
+        size = len(kept[0])
         cloud.reserve(size)
         arrays = cloud._arrays
-        arrays.keys[:size], arrays.counts[:size] = keys, counts
-        arrays.offset_sums[:size], arrays.color_sums[:size] = offset_sums, color_sums
-        arrays.sizes[:] = size
-        arrays.touched[:size], arrays.is_touched[:size] = np.arange(size), True
-        _rehash(arrays)
-        cloud.refresh()
+        for name, values in zip(KEPT, kept, strict=True):
+            own = getattr(arrays, name)
+            if values.shape != (size, *own.shape[1:]):
+                raise ValueError("the arrays of a cloud do not belong together")
+            own[:size] = values
+        if (arrays.counts[:size] < 1).any():
+            raise ValueError("the arrays of a cloud do not belong together")
+        if len(np.unique(arrays.keys[:size])) != size:
+            raise ValueError("a cloud holds a voxel twice")
+        arrays.sizes[VOXELS] = size
+        _rehash(arrays.table, arrays.keys, size)
         return cloud
 
     def __len__(self) -> int:
@@ -155,13 +180,26 @@ class VoxelCloud:
     @property
     def nbytes(self) -> int:
         """Memory held, bytes."""
-        return sum(array.nbytes for array in self._arrays)
+        arrays = self._arrays
+        return self._records.nbytes + arrays.table.nbytes + arrays.touched.nbytes
 
     def reserve(self, voxels: int) -> None:
-        """Make room for that many further voxels; grows the storage when it is too small."""
-        needed, capacity = len(self) + voxels, len(self._arrays.keys)
+        """Make room for that many further voxels, touched too; grows storage that is too small."""
+        arrays = self._arrays
+        needed, capacity = len(self) + voxels, len(arrays.keys)
         if needed > capacity:
-            self._arrays = _grown(self._arrays, max(needed, int(GROWTH * capacity)))
+            capacity = max(needed, int(GROWTH * capacity))
+            self._records = _lengthened(self._records, capacity)
+            arrays = arrays._replace(**_views(self._records))
+        if needed > FULLEST * len(arrays.table):
+            entries = 1 << int(needed / FULLEST).bit_length()
+            arrays = arrays._replace(table=np.full(entries, EMPTY, np.int32))
+            _rehash(arrays.table, arrays.keys, len(self))
+        may_be_touched = int(arrays.sizes[TOUCHED]) + voxels
+        if may_be_touched > len(arrays.touched):
+            room = max(may_be_touched, 2 * len(arrays.touched))
+            arrays = arrays._replace(touched=_lengthened(arrays.touched, room))
+        self._arrays = arrays
 
     def add(self, points: NDArray[np.floating], colors: NDArray[np.uint8] | None = None) -> None:
         """Average points into their voxels.
@@ -181,40 +219,52 @@ class VoxelCloud:
                 f"points must be finite and within {reach:.0f} m of the map's origin: "
                 "move the world frame's origin nearer"
             )
-        start = 0
-        while start < len(xyz):
-            self.reserve(min(len(xyz) - start, INITIAL_CAPACITY))
-            start = _add_points(self._arrays, self.resolution, xyz, rgb, start)
+        self._without_gaps = None
+        for start in range(0, len(xyz), BATCH):
+            batch = xyz[start : start + BATCH]
+            self.reserve(len(batch))
+            keys = _keys_of(batch, self.resolution)
+            slots = _claim_slots(self._arrays, keys, EVERY_POINT, 0)
+            _add_points(self._arrays, slots, batch, rgb[start : start + BATCH])
 
-    def add_sums(self, sums: VoxelSums) -> None:
-        """Add points that are summed already, with keys as `pack_key` makes them."""
-        self.reserve(len(sums.keys))
-        _add_sums(self._arrays, sums)
+    def add_sums(
+        self, sums: VoxelSums, labels: NDArray[np.uint32] = EVERY_POINT, label: int = 0
+    ) -> int:
+        """Add points that are summed already, with keys as `pack_key` makes them.
+
+        Args:
+            sums: N of them.
+            labels: (N,) labels of the sums, a bit each; empty to add them all.
+            label: The bit of the label whose sums are added.
+
+        Returns:
+            How many were added.
+        """
+        chosen = len(sums.keys) if labels is EVERY_POINT else _count_labelled(labels, label)
+        if chosen:
+            self._without_gaps = None
+            self.reserve(chosen)
+            slots = _claim_slots(self._arrays, sums.keys, labels, label)
+            _add_sums(self._arrays, slots, self.resolution, sums)
+        return chosen
 
     def clear(self, slots: NDArray[np.int32]) -> None:
         """Empty voxels; their slots stay, and take points again when some come."""
         if not len(slots):
             return
-        arrays = self._arrays
         self.has_gaps, self._without_gaps = True, None
-        arrays.counts[slots] = 0
-        arrays.offset_sums[slots], arrays.color_sums[slots] = 0.0, 0
+        self._arrays.counts[slots] = 0
 
     def find(self, keys: NDArray[np.int64]) -> NDArray[np.int32]:
         """(N,) slots of the voxels of (N,) keys; EMPTY for those not in the cloud."""
         return _find_slots(self._arrays.table, self._arrays.keys, keys)
 
     def refresh(self) -> NDArray[np.int32]:
-        """Bring the centroids of the touched voxels up to date.
-
-        Returns:
-            Their slots, in the order in which they were touched, each once.
-        """
-        count = int(self._arrays.sizes[TOUCHED])
-        if count:
-            self._without_gaps = None
-        slots = self._arrays.touched[:count].copy()
-        _update_centroids(self._arrays, self.resolution)
+        """The slots touched since the last call, in that order, each once."""
+        arrays = self._arrays
+        slots = arrays.touched[: arrays.sizes[TOUCHED]].copy()
+        arrays.is_touched[slots] = False
+        arrays.sizes[TOUCHED] = 0
         return slots
 
     def cloud(self) -> PointCloud:
@@ -234,7 +284,6 @@ class VoxelCloud:
 
     def slots(self) -> PointCloud:
         """All slots, with a count of 0 for those that were emptied: views of the live storage."""
-        self.refresh()
         size, arrays = len(self), self._arrays
         return PointCloud(
             frozen(arrays.points[:size]),
@@ -267,32 +316,18 @@ def columns_of(keys: NDArray[np.int64]) -> NDArray[np.int64]:
     return unpack_keys(keys)[:, :2]
 
 
-def _allocate(capacity: int) -> VoxelArrays:
-    """Empty storage for `capacity` voxels."""
-    entries = 1 << (ENTRIES_PER_VOXEL * capacity - 1).bit_length()
-    return VoxelArrays(
-        table=np.full(entries, EMPTY, np.int32),
-        keys=np.zeros(capacity, np.int64),
-        offset_sums=np.zeros((capacity, 3), np.float64),
-        color_sums=np.zeros((capacity, 3), np.uint32),
-        counts=np.zeros(capacity, np.int32),
-        points=np.zeros((capacity, 3), np.float32),
-        colors=np.zeros((capacity, 3), np.uint8),
-        touched=np.zeros(capacity, np.int32),
-        is_touched=np.zeros(capacity, np.bool_),
-        sizes=np.zeros(2, np.int64),
-    )
+def _views(records: NDArray[np.void]) -> dict[str, NDArray[Any]]:
+    """The arrays of `VoxelArrays` that have an entry a slot."""
+    return {name: records[name] for name in RECORD.names or () if name != "unused"}
 
 
-def _grown(old: VoxelArrays, capacity: int) -> VoxelArrays:
-    """A copy of the storage with a larger capacity."""
-    new = _allocate(capacity)
-    size = int(old.sizes[VOXELS])
-    for name in PER_SLOT:
-        getattr(new, name)[:size] = getattr(old, name)[:size]
-    new.sizes[:] = old.sizes
-    _rehash(new)
-    return new
+def _lengthened(array: NDArray[Scalar], length: int) -> NDArray[Scalar]:
+    """A copy with room for more; the system gives the room when it is first written to."""
+    longer = np.zeros(length, array.dtype)
+    longer.view(np.uint8)[: array.nbytes] = array.view(
+        np.uint8
+    )  # records are copied field by field
+    return longer
 
 
 @njit(cache=True)
@@ -338,90 +373,116 @@ def _find_slots(
 
 
 @njit(cache=True)
-def claim_slot(
-    table: NDArray[np.int32],
-    keys: NDArray[np.int64],
-    touched: NDArray[np.int32],
-    is_touched: NDArray[np.bool_],
-    sizes: NDArray[np.int64],
-    key: int,
-) -> int:
-    """The slot of a voxel, made if it is new, and marked as touched. There must be room.
+def _claim_slots(
+    arrays: VoxelArrays, wanted: NDArray[np.int64], labels: NDArray[np.uint32], label: int
+) -> NDArray[np.int32]:
+    """(N,) slots of voxels by key, made if they are new, and marked as touched.
 
-    Takes the arrays one by one: passing the tuple costs a kernel's inner loop a third of its time.
+    There must be room. Where there are labels, only those with the label are looked at; the others
+    get `EMPTY`. All in one loop: an array that is handed to a function is counted up and down,
+    which in a loop can cost ten times what is done with it.
     """
-    entry = _entry_of(table, keys, key)
-    slot = int(table[entry])
-    if slot == EMPTY:
-        slot = int(sizes[VOXELS])
-        sizes[VOXELS] += 1
-        table[entry] = slot
-        keys[slot] = key
-    if not is_touched[slot]:
-        is_touched[slot] = True
-        touched[sizes[TOUCHED]] = slot
-        sizes[TOUCHED] += 1
-    return slot
+    table, keys, _, _, _, _, is_touched, touched, sizes = arrays
+    slots = np.full(wanted.size, EMPTY, np.int32)
+    mask = np.uint32(1) << np.uint32(label)
+    size, touched_size = sizes[VOXELS], sizes[TOUCHED]
+    for row in range(wanted.size):
+        if labels.size and not labels[row] & mask:
+            continue
+        entry = _entry_of(table, keys, wanted[row])
+        slot = table[entry]
+        if slot == EMPTY:
+            slot = size
+            size += 1
+            table[entry], keys[slot] = slot, wanted[row]
+        if not is_touched[slot]:
+            is_touched[slot] = True
+            touched[touched_size] = slot
+            touched_size += 1
+        slots[row] = slot
+    sizes[VOXELS], sizes[TOUCHED] = size, touched_size
+    return slots
 
 
 @njit(cache=True)
-def _rehash(arrays: VoxelArrays) -> None:
-    for slot in range(arrays.sizes[VOXELS]):
-        arrays.table[_entry_of(arrays.table, arrays.keys, arrays.keys[slot])] = slot
+def _rehash(table: NDArray[np.int32], keys: NDArray[np.int64], size: int) -> None:
+    for slot in range(size):
+        table[_entry_of(table, keys, keys[slot])] = slot
 
 
 @njit(cache=True)
+def _keys_of(points: NDArray[np.float64], resolution: float) -> NDArray[np.int64]:
+    """(N,) keys of the voxels that (N, 3) points lie in."""
+    keys = np.empty(points.shape[0], np.int64)
+    for row in range(points.shape[0]):
+        ix = int(np.floor(points[row, 0] / resolution))
+        iy = int(np.floor(points[row, 1] / resolution))
+        iz = int(np.floor(points[row, 2] / resolution))
+        keys[row] = pack_key(ix, iy, iz)
+    return keys
+
+
+@njit(cache=True, error_model="numpy")
 def _add_points(
     arrays: VoxelArrays,
-    resolution: float,
-    points: NDArray[np.float64],
-    colors: NDArray[np.uint8],
-    start: int,
-) -> int:
-    """Add points from `start` on while there is room; returns the first that was not added."""
-    table, keys, offset_sums, color_sums, counts, _, _, touched, is_touched, sizes = arrays
-    stop = int(min(points.shape[0], start + keys.size - sizes[VOXELS]))
-    for index in range(start, stop):
-        x, y, z = points[index, 0], points[index, 1], points[index, 2]
-        ix = int(np.floor(x / resolution))
-        iy = int(np.floor(y / resolution))
-        iz = int(np.floor(z / resolution))
-        slot = claim_slot(table, keys, touched, is_touched, sizes, pack_key(ix, iy, iz))
-        if counts[slot] < SETTLED_COUNT:
-            counts[slot] += 1
-            offset_sums[slot, 0] += x - ix * resolution
-            offset_sums[slot, 1] += y - iy * resolution
-            offset_sums[slot, 2] += z - iz * resolution
-            for channel in range(3):
-                color_sums[slot, channel] += colors[index, channel]
-    return stop
-
-
-@njit(cache=True)
-def _add_sums(arrays: VoxelArrays, sums: VoxelSums) -> None:
-    table, keys, offset_sums, color_sums, counts, _, _, touched, is_touched, sizes = arrays
-    for index in range(sums.keys.size):
-        slot = claim_slot(table, keys, touched, is_touched, sizes, sums.keys[index])
-        if counts[slot] + sums.counts[index] <= SETTLED_COUNT:
-            counts[slot] += sums.counts[index]
-            for axis in range(3):
-                offset_sums[slot, axis] += sums.offset_sums[index, axis]
-                color_sums[slot, axis] += sums.color_sums[index, axis]
-
-
-@njit(cache=True)
-def _update_centroids(arrays: VoxelArrays, resolution: float) -> None:
-    """Recompute the touched slots' centroids and colours, and clear the list."""
-    for position in range(arrays.sizes[TOUCHED]):
-        slot = arrays.touched[position]
-        key, count = arrays.keys[slot], int(arrays.counts[slot])
-        arrays.is_touched[slot] = False
-        if count == 0:
+    slots: NDArray[np.int32],
+    new: NDArray[np.float64],
+    new_colors: NDArray[np.uint8],
+) -> None:
+    _, _, points, counts, colors, color_rests, _, _, _ = arrays
+    for row in range(slots.size):
+        slot = slots[row]
+        total = counts[slot] + 1
+        if total > SETTLED_COUNT:
             continue
+        counts[slot] = total
         for axis in range(3):
-            index = ((key >> (AXIS_BITS * (2 - axis))) & AXIS_MASK) - AXIS_OFFSET
-            offset = arrays.offset_sums[slot, axis] / count
-            arrays.points[slot, axis] = index * resolution + offset
-            color_sum = int(arrays.color_sums[slot, axis])
-            arrays.colors[slot, axis] = (2 * color_sum + count) // (2 * count)
-    arrays.sizes[TOUCHED] = 0
+            known = 0.0 if total == 1 else float(points[slot, axis])
+            points[slot, axis] = known + (new[row, axis] - known) / total
+            colors[slot, axis], color_rests[slot, axis] = _mixed(
+                colors[slot, axis], color_rests[slot, axis], new_colors[row, axis], 1.0 / total
+            )
+
+
+@njit(cache=True)
+def _count_labelled(labels: NDArray[np.uint32], label: int) -> int:
+    """How many have a label."""
+    count = 0
+    for index in range(labels.size):
+        count += int((labels[index] >> np.uint32(label)) & np.uint32(1))
+    return count
+
+
+@njit(cache=True, error_model="numpy")
+def _add_sums(
+    arrays: VoxelArrays, slots: NDArray[np.int32], resolution: float, sums: VoxelSums
+) -> None:
+    """Add the sums that have a slot."""
+    _, _, points, counts, colors, color_rests, _, _, _ = arrays
+    new_keys, offset_sums, color_sums, new_counts = sums
+    for row in range(slots.size):
+        slot, new = slots[row], new_counts[row]
+        if slot == EMPTY or counts[slot] + new > SETTLED_COUNT:
+            continue
+        counts[slot] += new
+        share, weight = 1.0 / new, new / counts[slot]
+        for axis in range(3):
+            index = ((new_keys[row] >> (AXIS_BITS * (2 - axis))) & AXIS_MASK) - AXIS_OFFSET
+            mean = index * resolution + offset_sums[row, axis] * share
+            known = float(points[slot, axis])
+            points[slot, axis] = mean if weight == 1.0 else known + (mean - known) * weight
+            colors[slot, axis], color_rests[slot, axis] = _mixed(
+                colors[slot, axis],
+                color_rests[slot, axis],
+                color_sums[row, axis] * share,
+                weight,
+            )
+
+
+@njit(cache=True)
+def _mixed(color: int, rest: int, other: float, weight: float) -> tuple[int, int]:
+    """A mean colour and its rest, moved towards another by that other's weight."""
+    known = float(color * COLOR_STEPS + rest)
+    steps = int(known + (COLOR_STEPS * other - known) * weight + 0.5)
+    rounded = (steps + COLOR_STEPS // 2) // COLOR_STEPS
+    return rounded, steps - rounded * COLOR_STEPS

@@ -119,6 +119,11 @@ class MemoryBuilder:
         self._last = node.id
         return node.id
 
+    def places(self, floor: int) -> NDArray[np.float64]:
+        """(N, 2) where the nodes of a floor lie, metres."""
+        found = [node.position for node in self._memory.nodes if node.floor == floor]
+        return np.array(found, np.float64).reshape(-1, 2)
+
     def refresh(self, map_view: MapView) -> None:
         """Recompute O_k and f_k of all nodes on the map's current floor."""
         nodes = [node for node in self._memory.nodes if node.floor == map_view.floor]

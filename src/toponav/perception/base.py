@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from toponav.registry import Registry
+from toponav.registry import IN_FILE, Registry
 from toponav.types import Detections, SemanticSource
 
 if TYPE_CHECKING:
@@ -78,10 +78,12 @@ detectors: Registry[DetectorFactory] = Registry("detector")
 def make_detector(spec: str, context: DetectorContext) -> Detector:
     """The detector of a name, or of a name and its argument, such as `onnx:model.onnx`.
 
+    `FILE.py:NAME` is a name: what that file registers.
+
     Raises:
         InputError: No such detector, or it cannot be made of this.
     """
-    name, _, argument = spec.partition(":")
+    name, argument = _name_and_argument(spec)
     return detectors.get(name)(replace(context, argument=argument))
 
 
@@ -91,4 +93,11 @@ def check_detector(spec: str) -> None:
     Raises:
         InputError: It does not; the message lists those known.
     """
-    detectors.get(spec.partition(":")[0])
+    detectors.get(_name_and_argument(spec)[0])
+
+
+def _name_and_argument(spec: str) -> tuple[str, str]:
+    if IN_FILE in spec:
+        return spec, ""
+    name, _, argument = spec.partition(":")
+    return name, argument

@@ -8,10 +8,18 @@ from pathlib import Path
 from typing import Any
 
 from toponav.errors import PoseError, RecordingError
-from toponav.robot.bag_import import import_bags
+from toponav.robot.bag_import import import_bags, message_types
 from toponav.robot.config import CameraConfig, RobotConfig
 from toponav.robot.frame_sync import FrameSync
-from toponav.robot.frames import COLOR, DEPTH, LABELS, FrameReader, pose_of, seconds_of
+from toponav.robot.frames import (
+    COLOR,
+    DEPTH,
+    LABELS,
+    TRANSFORM_TOPICS,
+    FrameReader,
+    pose_of,
+    seconds_of,
+)
 from toponav.robot.labels import LabelImageDetector
 from toponav.robot.pose_buffer import PoseBuffer
 from toponav.robot.pose_continuity import PoseContinuity
@@ -61,6 +69,8 @@ class BagRecording:
                 reader.take_info(message)
             elif topic == _rooted(self.robot.camera.names_topic):
                 reader.take_names(message)
+            elif topic in TRANSFORM_TOPICS:
+                reader.take_transforms(message)
             elif topic == _rooted(self.robot.pose_topic):
                 stamp_s = seconds_of(message.header.stamp)
                 if poses.newest_s is None or stamp_s > poses.newest_s:
@@ -108,7 +118,7 @@ def _counts(path: Path) -> dict[str, int]:
     if not path.exists():
         raise RecordingError(f"there is no bag {path}")
     try:
-        with reader([path], default_typestore=_typestore()) as bag:
+        with reader([path], default_typestore=message_types()) as bag:
             return {topic: info.msgcount for topic, info in bag.topics.items()}
     except Exception as error:  # a damaged file may break anything in its reader
         raise _damaged(path, error) from error
@@ -118,7 +128,7 @@ def _messages(path: Path, topics: set[str]) -> Iterator[tuple[str, Any]]:
     """Messages of some topics in the order in which they were recorded."""
     reader = import_bags("rosbags.highlevel").AnyReader
     try:
-        with reader([path], default_typestore=_typestore()) as bag:
+        with reader([path], default_typestore=message_types()) as bag:
             chosen = [c for c in bag.connections if c.topic in topics]
             for connection, _, data in bag.messages(connections=chosen):
                 yield connection.topic, bag.deserialize(data, connection.msgtype)
@@ -130,12 +140,6 @@ def _messages(path: Path, topics: set[str]) -> Iterator[tuple[str, Any]]:
         raise _damaged(path, error) from error
 
 
-def _typestore() -> Any:
-    """The standard messages, for bags that do not define their own."""
-    typesys = import_bags("rosbags.typesys")
-    return typesys.get_typestore(typesys.Stores.ROS2_KILTED)
-
-
 def _damaged(path: Path, error: Exception) -> RecordingError:
     why = " ".join(str(error).split()) or type(error).__name__
     return RecordingError(f"{path} is damaged or no bag: {why[:200]}")
@@ -144,6 +148,8 @@ def _damaged(path: Path, error: Exception) -> RecordingError:
 def _topics(robot: RobotConfig, kinds: tuple[str, ...]) -> set[str]:
     camera = robot.camera
     topics = {camera.depth_topic, camera.color_topic, camera.info_topic, robot.pose_topic}
+    if camera.extrinsics == "tf":
+        topics |= set(TRANSFORM_TOPICS)
     if LABELS in kinds:
         topics |= {camera.labels_topic, camera.names_topic}
     return {_rooted(topic) for topic in topics}

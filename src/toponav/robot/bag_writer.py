@@ -9,7 +9,7 @@ from types import TracebackType
 from typing import Any
 
 from toponav.errors import InputError
-from toponav.robot.bag_import import import_bags
+from toponav.robot.bag_import import import_bags, message_types
 
 
 class BagWriter:
@@ -22,13 +22,13 @@ class BagWriter:
             MissingExtraError: rosbags is not installed.
             InputError: The folder exists and is no bag, or cannot be made.
         """
-        rosbag2, typesys = import_bags("rosbags.rosbag2"), import_bags("rosbags.typesys")
+        rosbag2 = import_bags("rosbags.rosbag2")
         if (path / "metadata.yaml").exists():
             shutil.rmtree(path)
         if path.exists():
             raise InputError(f"{path} exists and is no bag: choose another name")
         path.parent.mkdir(parents=True, exist_ok=True)
-        self._types = typesys.get_typestore(typesys.Stores.ROS2_KILTED)
+        self._types = message_types()
         self._writer = rosbag2.Writer(path, version=9, storage_plugin=rosbag2.StoragePlugin.MCAP)
         self._writer.open()
         self._connections: dict[str, Any] = {}

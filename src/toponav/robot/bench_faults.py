@@ -55,7 +55,7 @@ class FaultOutcome:
 
 def survives(name: str, options: tuple[str, ...], trial: TrialConfig, folder: Path) -> FaultOutcome:
     """A fault during which the search goes on, or that it gets over."""
-    result = run_trial(replace(trial, faults=options), folder)
+    result = run_trial(replace(trial, faults=(*trial.faults, *options)), folder)
     begun: dict[str, float] = result.sim["faults"]
     at_s, stop_s = next(iter(begun.values()), None), None
     detail = f"{result.sim['distance_to_goal']:.2f} m from the {trial.target}"

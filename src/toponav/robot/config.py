@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import yaml
 from pydantic import Field
@@ -12,37 +12,57 @@ from pydantic import Field
 from toponav.config import NavigatorConfig, parse_config, preset
 from toponav.config_model import ConfigModel
 from toponav.errors import ConfigError
+from toponav.robot.footprint import Footprint
 from toponav.robot.motion import MotionConfig
 from toponav.robot.obstacle_guard import GuardConfig
 from toponav.robot.watchdog import WatchdogConfig
 
 PLANNING_MARGIN_M = 0.04
-"""Ways keep this much farther from obstacles than the body needs, metres."""
+"""Ways keep this much farther from obstacles than the body's sides, metres; and never nearer than
+the body needs to turn in place."""
+
+CONTACT_M = 0.07
+"""What a bump was against lies so far before the body's end: most of a cell of the map, metres."""
+
+EXPLAINED_M = 0.17
+"""Within so much of the body's end a mapped obstacle explains a bump, metres."""
 
 NAV2_ARRIVAL_M = 0.35
 """How near to a goal a walk ends where Nav2 drives, whose own tolerance is 0.25 m."""
 
 
+Topic = Annotated[str, Field(pattern=r"^[/~]?[A-Za-z_][A-Za-z0-9_/]*$")]
+"""A name that ROS takes for a topic."""
+
+
 class CameraConfig(ConfigModel):
     """The RGB-D camera: what it publishes and where it sits."""
 
-    color_topic: str = "camera/color/image_raw"
+    color_topic: Topic = "camera/color/image_raw"
     """Colour images, rgb8 or bgr8, rectified; with `/compressed` at the end, JPEG or PNG."""
 
-    depth_topic: str = "camera/aligned_depth_to_color/image_raw"
-    """Depth aligned to colour, of the same size; 16UC1 in millimetres or 32FC1 in metres."""
+    depth_topic: Topic = "camera/aligned_depth_to_color/image_raw"
+    """Depth aligned to colour, of the same size; 16UC1 in millimetres or 32FC1 in metres; with
+    `/compressedDepth` at the end, as PNG."""
 
-    info_topic: str = "camera/color/camera_info"
+    info_topic: Topic = "camera/color/camera_info"
     """Intrinsics of the colour camera."""
 
-    labels_topic: str = "camera/labels"
+    labels_topic: Topic = "camera/labels"
     """For the detector `labels`: segments of the colour image, 32SC1 indices into the names."""
 
-    names_topic: str = "camera/label_names"
+    names_topic: Topic = "camera/label_names"
     """For the detector `labels`: a JSON list of category names, latched."""
 
     slop_s: float = Field(default=0.02, ge=0.0)
     """Colour and depth whose stamps differ by no more belong together, seconds."""
+
+    extrinsics: Literal["fixed", "tf"] = "fixed"
+    """Where the camera sits: as `xyz` and `tilt_deg` say, or as /tf and /tf_static do, for the
+    frame that its camera_info names."""
+
+    base_frame: str = "base_footprint"
+    """With extrinsics `tf`: the frame of the pose topic's poses, its origin on the floor."""
 
     xyz: tuple[float, float, float] = (0.0, 0.0, 0.88)
     """The camera in the base frame, metres: forward, left, up from the foot point."""
@@ -69,7 +89,7 @@ class RobotConfig(ConfigModel):
     camera: CameraConfig = Field(default_factory=CameraConfig)
     """Its RGB-D camera."""
 
-    pose_topic: str = "odom"
+    pose_topic: Topic = "odom"
     """Pose of the base's foot point, from SLAM or odometry."""
 
     pose_type: Literal["Odometry", "PoseStamped", "PoseWithCovarianceStamped"] = "Odometry"
@@ -78,8 +98,8 @@ class RobotConfig(ConfigModel):
     drive: Literal["cmd_vel", "goal_pose"] = "cmd_vel"
     """Velocities by our own follower, or goals for Nav2."""
 
-    radius_m: float = Field(default=0.18, gt=0.0)
-    """Of the circle that the body needs to turn in place, metres."""
+    footprint: Footprint = Field(default_factory=Footprint)
+    """The body seen from above."""
 
     panorama_views: int = Field(default=12, ge=1)
     """Views of a panorama, by turning in place; 1 for a camera that sees all around."""
@@ -114,15 +134,14 @@ PROFILES: dict[str, dict[str, Any]] = {
     "go2_d435i": {
         "camera": {"xyz": (0.30, 0.0, 0.45), "hfov_deg": 69.0},
         "pose_topic": "utlidar/robot_odom",
-        "radius_m": 0.30,
+        "footprint": {"length_m": 0.70, "width_m": 0.31},
         "panorama_views": 9,
         "motion": {"max_speed": 0.5, "max_turn_rate": 0.8, "settle_s": 0.4},
-        "guard": {"half_width_m": 0.2, "front_m": 0.35, "high_m": 0.6},
     },
     # A round base of 0.35 m with a camera on a mast.
     "turtlebot": {
         "camera": {"xyz": (0.0, 0.0, 0.60), "hfov_deg": 69.0},
-        "radius_m": 0.18,
+        "footprint": {"length_m": 0.36, "width_m": 0.36},
         "motion": {"max_speed": 0.3, "max_turn_rate": 1.0},
     },
 }
@@ -160,16 +179,22 @@ def navigator_config(robot: RobotConfig, preset_name: str = "default") -> Naviga
     Raises:
         ConfigError: Unknown preset.
     """
-    turn = robot.turn_deg
-    planner = {"radius_m": robot.radius_m + PLANNING_MARGIN_M}
+    turn, body = robot.turn_deg, robot.footprint
+    radius_m = max(body.half_width_m + PLANNING_MARGIN_M, body.turning_radius_m)
+    planner: dict[str, Any] = {"radius_m": radius_m}
     if robot.watchdog.keep_out:
-        planner["keep_out"] = robot.watchdog.keep_out  # type: ignore[assignment]
+        planner["keep_out"] = robot.watchdog.keep_out
     arrival_m = {} if robot.drive == "cmd_vel" else {"arrival_m": NAV2_ARRIVAL_M}
+    recovery = {
+        "contact_m": body.turning_radius_m + CONTACT_M,
+        "explained_m": body.turning_radius_m + EXPLAINED_M,
+    }
+    locomotion = {"planner": planner, "follower": {"turn_deg": turn}, "recovery": recovery}
     changes: dict[str, Any] = {
         # The camera does not tilt by itself, so that nothing below an edge is looked at.
         "map": {"stairwells": False, "max_depth_m": robot.camera.max_depth_m},
         "panorama": {"views": robot.panorama_views, "spacing_deg": turn},
-        "locomotion": {"planner": planner, "follower": {"turn_deg": turn}, **arrival_m},
+        "locomotion": {**locomotion, **arrival_m},
     }
     values = preset(preset_name).model_dump()
     return parse_config(NavigatorConfig, _merged(values, changes), "the robot")

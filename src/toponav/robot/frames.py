@@ -15,12 +15,22 @@ from toponav.geometry import Intrinsics, Pose
 from toponav.geometry.conventions import BODY_FROM_OPTICAL
 from toponav.robot.config import CameraConfig
 from toponav.robot.frame_sync import Instant
-from toponav.robot.images import colour_image, compressed_image, depth_image, label_image
+from toponav.robot.frame_tree import FrameTree
+from toponav.robot.images import (
+    colour_image,
+    compressed_depth_image,
+    compressed_image,
+    depth_image,
+    label_image,
+)
 from toponav.robot.labels import LabelImageDetector
 from toponav.types import Observation
 
 COLOR, DEPTH, LABELS = "color", "depth", "labels"
 """Kinds of images."""
+
+TRANSFORMS, STATIC_TRANSFORMS = TRANSFORM_TOPICS = ("/tf", "/tf_static")
+"""Where the frames of a robot lie to each other."""
 
 
 class FrameReader:
@@ -34,8 +44,10 @@ class FrameReader:
             labels: Shown the label image of each observation; None where there are none.
         """
         self._camera, self._labels = camera, labels
-        down = Rotation.from_euler("y", math.radians(camera.tilt_deg)).as_matrix()
-        self.base_from_camera = Pose.from_rotation(down, camera.xyz) @ BODY_FROM_OPTICAL
+        self._frames = FrameTree() if camera.extrinsics == "tf" else None
+        self.base_from_camera = None if self._frames is not None else camera_mount(camera)
+        """Where the camera sits; None until /tf has told, where that is to tell."""
+        self._optical_frame = ""
         self.intrinsics: Intrinsics | None = None
         self._names: tuple[str, ...] | None = None
 
@@ -51,13 +63,29 @@ class FrameReader:
             return f"no camera info on {self._camera.info_topic}"
         if self._labels is not None and self._names is None:
             return f"no label names on {self._camera.names_topic}"
+        if self.base_from_camera is None:
+            return f"no transform from {self._camera.base_frame} to {self._optical_frame} on /tf"
         return ""
 
     def take_info(self, message: Any) -> None:
         """Take a sensor_msgs/CameraInfo."""
         k = message.k if hasattr(message, "k") else message.K
+        if self._frames is not None and self._optical_frame != message.header.frame_id:
+            self._optical_frame = message.header.frame_id
+            self._place_camera()
         size = int(message.width), int(message.height)
         self.intrinsics = Intrinsics(*size, float(k[0]), float(k[4]), float(k[2]), float(k[5]))
+
+    def take_transforms(self, message: Any) -> None:
+        """Take a tf2_msgs/TFMessage; without extrinsics from /tf it is ignored."""
+        if self._frames is not None:
+            self._frames.take(message)
+            self._place_camera()
+
+    def _place_camera(self) -> None:
+        if self._frames is not None:
+            frames = self._camera.base_frame, self._optical_frame
+            self.base_from_camera = self._frames.between(*frames)
 
     def take_names(self, message: Any) -> None:
         """Take a std_msgs/String with a JSON list of names; anything else is ignored."""
@@ -70,8 +98,11 @@ class FrameReader:
 
     def depth(self, message: Any) -> NDArray[np.float32]:
         """(H, W) metres within the camera's range, 0 elsewhere."""
-        size = int(message.height), int(message.width)
-        depth = depth_image(message.encoding, size, int(message.step), message.data)
+        if hasattr(message, "format"):
+            depth = compressed_depth_image(message.format, message.data)
+        else:
+            size = int(message.height), int(message.width)
+            depth = depth_image(message.encoding, size, int(message.step), message.data)
         depth[(depth < self._camera.min_depth_m) | (depth > self._camera.max_depth_m)] = 0.0
         return depth
 
@@ -81,7 +112,8 @@ class FrameReader:
         Raises:
             ObservationError: An image of another size or encoding, or not all has come yet.
         """
-        if self.intrinsics is None or self.lacks:
+        mount = self.base_from_camera
+        if self.intrinsics is None or mount is None or self.lacks:
             raise ObservationError(self.lacks)
         color = instant.parts[COLOR]
         if hasattr(color, "format"):
@@ -97,11 +129,17 @@ class FrameReader:
         return Observation(
             rgb=rgb,
             depth=self.depth(instant.parts[DEPTH]),
-            world_from_camera=instant.world_from_base @ self.base_from_camera,
+            world_from_camera=instant.world_from_base @ mount,
             world_from_base=instant.world_from_base,
             intrinsics=self.intrinsics,
             timestamp_s=instant.stamp_s,
         )
+
+
+def camera_mount(camera: CameraConfig) -> Pose:
+    """`base_from_camera` (optical) as the robot's file says."""
+    down = Rotation.from_euler("y", math.radians(camera.tilt_deg)).as_matrix()
+    return Pose.from_rotation(down, camera.xyz) @ BODY_FROM_OPTICAL
 
 
 def seconds_of(stamp: Any) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import struct
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,12 @@ from toponav.errors import ObservationError
 COLOUR_ENCODINGS = ("rgb8", "bgr8")
 PIXEL_BYTES = {"rgb8": 3, "bgr8": 3, "16UC1": 2, "32FC1": 4, "32SC1": 4}
 MILLIMETRE = 0.001
+
+DEPTH_HEADER_BYTES = 12
+"""Of the transport compressedDepth, before the PNG file."""
+
+PNG_TRANSPORTS = (["compressedDepth"], ["png"])
+"""Last word of the format of a PNG file: older publishers do not name it."""
 
 Buffer = bytes
 """Anything that holds bytes: rclpy has array.array, a bag's reader NumPy's arrays."""
@@ -76,6 +83,36 @@ def compressed_image(data: Buffer) -> NDArray[np.uint8]:
             return np.asarray(image.convert("RGB"))
     except (OSError, UnidentifiedImageError) as error:
         raise ObservationError(f"a compressed image cannot be read: {error}") from error
+
+
+def compressed_depth_image(kind: str, data: Buffer) -> NDArray[np.float32]:
+    """(H, W) metres from a message of the transport compressedDepth; holes are 0.
+
+    Its bytes are a header of 12 and a PNG file of 16 bits: of millimetres, or, where the image was
+    in metres, of inverse depths that the header's two numbers scale.
+
+    Args:
+        kind: The message's format, such as "16UC1; compressedDepth png".
+        data: The message's bytes.
+
+    Raises:
+        ObservationError: Another format, or they are no image.
+    """
+    encoding, _, transport = kind.partition(";")
+    if encoding not in ("16UC1", "32FC1") or transport.split()[-1:] not in PNG_TRANSPORTS:
+        raise ObservationError(f"compressed depth is 16UC1 or 32FC1 as PNG, not {kind!r}")
+    raw = bytes(data)
+    try:
+        _, scale, offset = struct.unpack_from("<iff", raw)
+        with Image.open(io.BytesIO(raw[DEPTH_HEADER_BYTES:])) as image:
+            coded = np.asarray(image).astype(np.float32)
+    except (OSError, UnidentifiedImageError, struct.error) as error:
+        raise ObservationError(f"a compressed depth image cannot be read: {error}") from error
+    if encoding == "16UC1":
+        return coded * np.float32(MILLIMETRE)
+    depth = np.zeros_like(coded)
+    np.divide(np.float32(scale), coded - np.float32(offset), out=depth, where=coded > 0.0)
+    return depth
 
 
 def _rows(encoding: str, size: tuple[int, int], row_bytes: int, data: Buffer) -> NDArray[np.uint8]:

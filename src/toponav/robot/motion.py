@@ -51,7 +51,7 @@ class MotionConfig(ConfigModel):
 
 @dataclass(frozen=True)
 class Twist:
-    """Forward speed (m/s) and turn rate (rad/s, counter-clockwise)."""
+    """Forward speed (m/s; negative: backward) and turn rate (rad/s, counter-clockwise)."""
 
     speed: float = 0.0
     turn_rate: float = 0.0
@@ -113,6 +113,30 @@ class WayMotion:
         return Twist(max(0.0, 1.0 - aside) * speed, turn_rate)
 
 
+RETREAT_M = 0.25
+"""How far a body backs out of a place where it cannot turn, metres."""
+
+RETREAT_SPEED = 0.1
+"""How fast: it does not see where it goes, metres a second."""
+
+
+class RetreatMotion:
+    """Straight back, where the robot came from."""
+
+    def __init__(self, start: Pose) -> None:
+        """Back out from pose `start`."""
+        self._start = start
+
+    def wanted(self, pose: Pose) -> Twist | None:
+        """The velocity wanted at a pose; None once it is out."""
+        away = np.hypot(*(pose.translation - self._start.translation)[:2])
+        return Twist(-RETREAT_SPEED) if away < RETREAT_M else None
+
+
+Motion = TurnMotion | WayMotion | RetreatMotion
+"""Any of them."""
+
+
 def motion_of(intent: Intent, start: Pose, config: MotionConfig) -> TurnMotion | WayMotion:
     """The motion that carries out an intent from a pose on."""
     match intent:
@@ -128,6 +152,6 @@ def within_limits(wanted: Twist, last: Twist, elapsed_s: float, config: MotionCo
     speed = max(last.speed - gain, min(last.speed + gain, wanted.speed))
     turn_rate = max(last.turn_rate - turn_gain, min(last.turn_rate + turn_gain, wanted.turn_rate))
     return Twist(
-        max(0.0, min(config.max_speed, speed)),
+        max(-RETREAT_SPEED, min(config.max_speed, speed)),
         max(-config.max_turn_rate, min(config.max_turn_rate, turn_rate)),
     )

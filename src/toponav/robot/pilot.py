@@ -10,16 +10,26 @@ from toponav.geometry import Pose
 from toponav.robot.intent import Intent
 from toponav.robot.motion import (
     STILL,
+    Motion,
     MotionConfig,
-    TurnMotion,
+    RetreatMotion,
     Twist,
-    WayMotion,
     motion_of,
     within_limits,
 )
 from toponav.robot.obstacle_guard import ObstacleGuard
 from toponav.robot.stillness import Stillness
 from toponav.robot.watchdog import Watchdog
+
+SLOWEST = 0.05
+"""An obstacle that allows no more than this stops the robot, metres a second."""
+
+SLOWEST_TURN = 0.1
+"""The same for a turn, radians a second."""
+
+
+ABOUT = Pose.from_yaw(math.pi, (0.0, 0.0, 0.0))
+"""A body that backs up drives the other way about: its footprint is alike at both ends."""
 
 
 class Outcome(Enum):
@@ -38,7 +48,10 @@ class Pilot:
         """Stand still until an intent comes."""
         self._config, self._watchdog, self._guard = config, watchdog, guard
         self._lock = threading.Lock()
-        self._motion: TurnMotion | WayMotion | None = None
+        self._motion: Motion | None = None
+        self._after: Motion | None = None
+        """What goes on once the robot has backed out of a place where it could not turn."""
+        self._retreated = False
         self._last, self._last_s = STILL, -math.inf
         self._stillness = Stillness()
         self.outcome = Outcome.NONE
@@ -54,16 +67,16 @@ class Pilot:
             go_on: The same way, planned anew: what stalled before stalls still.
         """
         with self._lock:
-            self._motion = motion_of(intent, pose, self._config)
+            self._motion, self._after = motion_of(intent, pose, self._config), None
             if not (go_on and self.outcome is Outcome.UNDER_WAY):
                 self._stillness.restart()
+                self._retreated = False
             self.outcome = Outcome.UNDER_WAY
 
     def stop(self) -> None:
         """Stand still from now on, at once."""
         with self._lock:
-            self._motion, self._last = None, STILL
-            self.outcome = Outcome.NONE
+            self._end(Outcome.NONE)
 
     def tick(self, pose: Pose | None, slam_from_base: Pose | None, now_s: float) -> Twist:
         """The velocity for now.
@@ -82,25 +95,47 @@ class Pilot:
                 self._stillness.restart()
                 return STILL
             wanted = self._motion.wanted(pose)
+            if wanted is None and self._after is not None:
+                self._motion, self._after = self._after, None
+                self._stillness.restart()
+                wanted = self._motion.wanted(pose)
             if wanted is None:
                 return self._end(Outcome.DONE)
-            speed = min(wanted.speed, self._guard.limit(pose, wanted.turn_rate))
-            if self._watchdog.enters_keep_out(slam_from_base, speed):
-                self.objection, speed = "a keep-out area is ahead", 0.0
-            elif speed < wanted.speed and speed < 0.05:
-                self.objection, speed = "an obstacle is ahead", 0.0
+            limits = self._limits(wanted, pose, slam_from_base)
             if self._stillness.seconds(pose, now_s) > self._config.stall_s:
-                return self._end(Outcome.BLOCKED)
-            twist = within_limits(
-                Twist(speed, wanted.turn_rate), self._last, elapsed_s, self._config
-            )
+                if wanted.speed != 0.0 or self._retreated:
+                    return self._end(Outcome.BLOCKED)
+                self._after, self._motion = self._motion, RetreatMotion(pose)
+                self._retreated = True
+                self._stillness.restart()
+                wanted = STILL
+            allowed = _no_faster(wanted, limits)
+            twist = within_limits(allowed, self._last, elapsed_s, self._config)
             # Braking for an obstacle is not gentle.
-            self._last = (
-                Twist(min(twist.speed, speed), twist.turn_rate) if self.objection else twist
-            )
+            self._last = _no_faster(twist, limits)
             return self._last
 
+    def _limits(self, wanted: Twist, pose: Pose, slam_from_base: Pose) -> Twist:
+        """How fast the surroundings let it go on; says why where that is next to nothing."""
+        if (wanted.speed or self._last.speed) < 0.0:
+            pose, slam_from_base = pose @ ABOUT, slam_from_base @ ABOUT
+        speed = self._guard.limit(pose, wanted.turn_rate)
+        rate = self._guard.turn_limit(pose, wanted.turn_rate or self._last.turn_rate)
+        if self._watchdog.enters_keep_out(slam_from_base, min(abs(wanted.speed), speed)):
+            self.objection, speed = "a keep-out area is ahead", 0.0
+        elif speed < abs(wanted.speed) and speed < SLOWEST:
+            self.objection, speed = "an obstacle is ahead", 0.0
+        if rate < abs(wanted.turn_rate) and rate < SLOWEST_TURN:
+            self.objection, rate = "an obstacle is beside the robot", 0.0
+        return Twist(speed, rate)
+
     def _end(self, outcome: Outcome) -> Twist:
-        self._motion, self._last = None, STILL
+        self._motion, self._after, self._last = None, None, STILL
         self.outcome = outcome
         return STILL
+
+
+def _no_faster(twist: Twist, limits: Twist) -> Twist:
+    """A velocity cut down, whichever way it goes."""
+    speed, rate = min(abs(twist.speed), limits.speed), min(abs(twist.turn_rate), limits.turn_rate)
+    return Twist(math.copysign(speed, twist.speed), math.copysign(rate, twist.turn_rate))

@@ -12,12 +12,21 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from toponav.errors import PoseError, TopoNavError
 from toponav.geometry import Pose
 from toponav.robot.config import RobotConfig
-from toponav.robot.frames import COLOR, DEPTH, LABELS, FrameReader, pose_of, seconds_of
+from toponav.robot.frames import (
+    COLOR,
+    DEPTH,
+    LABELS,
+    TRANSFORM_TOPICS,
+    FrameReader,
+    pose_of,
+    seconds_of,
+)
 from toponav.robot.goal_pilot import GoalPilot
 from toponav.robot.labels import LabelImageDetector
 from toponav.robot.motion import STILL, Twist
@@ -27,14 +36,25 @@ from toponav.robot.pose_continuity import PoseContinuity
 from toponav.robot.process_cost import process_cost
 from toponav.robot.ros2_display import Display
 from toponav.robot.ros2_import import import_ros
+from toponav.robot.ros2_lifecycle import create_managed_node, let_manage
 from toponav.robot.ros2_messages import write_pose
+from toponav.robot.ros2_topics import robot_topics
 from toponav.robot.search import Search, SearchTiming, Status
 from toponav.robot.senses import Senses
 from toponav.robot.watchdog import Watchdog
 from toponav.types import Agent
 
+WAITING = 5
+"""Images and poses that may wait to be taken in."""
+
 STATUS_S = 0.5
 """Between two status messages, seconds."""
+
+HOLD_S = 0.2
+"""For how long a tick keeps the robot from moving: till some ticks later, seconds."""
+
+GOAL_PARAMETER = "goal"
+"""Set by the service that every node has for its parameters, it starts a search or changes it."""
 
 GOAL_SETTLE_S = 0.5
 """Longer than for our own follower: another one may still be turning a little."""
@@ -60,18 +80,21 @@ class Task:
 
 
 class SearchNode:
-    """Joins the robot's topics to a `Search`; `rclpy.init` has been called."""
+    """Joins the robot's topics to a `Search`; `rclpy.init` has been called.
+
+    It is a managed node: it listens once configured, and moves the robot while active.
+    """
 
     def __init__(self, task: Task) -> None:
-        """Subscribe and publish; nothing runs before `start`.
+        """Publish; nothing runs before `start`.
 
         Raises:
             MissingExtraError: ROS 2 is not installed.
         """
         robot = self._robot = task.robot
-        self.node = import_ros("rclpy").create_node("toponav")
+        self.node = create_managed_node("toponav")
         watchdog = Watchdog(robot.watchdog)
-        guard = ObstacleGuard(robot.guard, robot.motion.acceleration)
+        guard = ObstacleGuard(robot.guard, robot.footprint, robot.motion)
         motion = robot.motion
         continuity = PoseContinuity(motion.max_speed, motion.max_turn_rate, task.slam_from_world)
         reader = FrameReader(robot.camera, task.labels)
@@ -88,12 +111,16 @@ class SearchNode:
         self.search = Search(task.agent, driver, self.senses, timing, self.now_s)
         self.display = Display(self.node, self.senses, task.agent)
         self.search.watchers.append(self.display.acted)
-        self.enabled = True
+        self.enabled, self.active = True, False
+        self.ended = threading.Event()
+        """Set once a lifecycle manager has shut the node down."""
+        self._subscriptions: list[Any] = []
         self._closing = threading.Event()
         self._failed: list[str] = []
         self.on_message: Callable[[str, Any], None] | None = None
-        self._subscribe()
+        self._topics = robot_topics(robot, WAITING, labels=LABELS in reader.kinds)
         self._offer()
+        let_manage(self.node, self, self._failed)
         self._threads = [
             threading.Thread(target=self._guarded, args=(work,), name=name, daemon=True)
             for name, work in (("agent", self.search.run), ("control", self._control))
@@ -113,6 +140,35 @@ class SearchNode:
                 thread.join(timeout=10.0)
         for _ in range(3):
             self._send(STILL)
+        self._tick_goals(time.monotonic())  # takes back a goal that is still being driven to
+
+    def configure(self) -> None:
+        """Listen to the robot, and start on the goal of the node's arguments, if any."""
+        self._subscribe()
+        goal = str(self.node.get_parameter(GOAL_PARAMETER).value)
+        if goal.strip() and not self.search.goal:
+            self._pursue(goal)
+
+    def activate(self) -> None:
+        """The robot may move from now on."""
+        self.active = True
+
+    def deactivate(self) -> None:
+        """Stand still from now on; the search waits."""
+        self.active = False
+        self._send(STILL)
+
+    def clean_up(self) -> None:
+        """End the search, and listen no more."""
+        self.deactivate()
+        self.search.cancel("cleaned up")
+        while self._subscriptions:
+            self.node.destroy_subscription(self._subscriptions.pop())
+
+    def shut_down(self) -> None:
+        """End for good."""
+        self.clean_up()
+        self.ended.set()
 
     def now_s(self) -> float:
         """By the clock of the stamps."""
@@ -137,6 +193,7 @@ class SearchNode:
             "motion": driver.outcome.value,
             "reason": self.search.reason or driver.objection,
             "enabled": self.enabled,
+            "active": self.active,
             "pose_jumps": self.senses.jumps,
             "found": self.display.found,
             "process": process_cost(),
@@ -144,24 +201,32 @@ class SearchNode:
         }
 
     def _subscribe(self) -> None:
-        robot, camera = self._robot, self._robot.camera
-        sensor, std = import_ros("sensor_msgs.msg"), import_ros("std_msgs.msg")
-        package = "nav_msgs.msg" if robot.pose_type == "Odometry" else "geometry_msgs.msg"
-        qos = import_ros("rclpy.qos")
-        listen, sensing = self.node.create_subscription, qos.qos_profile_sensor_data
-        kinds = {COLOR: camera.color_topic, DEPTH: camera.depth_topic}
-        if LABELS in self.senses.reader.kinds:
-            kinds[LABELS] = camera.labels_topic
-            latched = qos.QoSProfile(depth=1, durability=qos.DurabilityPolicy.TRANSIENT_LOCAL)
-            listen(std.String, camera.names_topic, self._names, latched)
-        for kind, topic in kinds.items():
-            packed = topic.endswith("/compressed")
-            image = sensor.CompressedImage if packed else sensor.Image
-            listen(image, topic, lambda m, k=kind, t=topic: self._image(k, t, m), sensing)
-        listen(sensor.CameraInfo, camera.info_topic, self._info, sensing)
-        pose = getattr(import_ros(package), robot.pose_type)
-        listen(pose, robot.pose_topic, self._pose, sensing)
-        listen(std.String, "toponav/goal", self._goal, 10)
+        camera = self._robot.camera
+        images = {
+            camera.color_topic: COLOR,
+            camera.depth_topic: DEPTH,
+            camera.labels_topic: LABELS,
+        }
+        others = {
+            camera.info_topic: self.senses.reader.take_info,
+            camera.names_topic: self.senses.reader.take_names,
+            self._robot.pose_topic: self._pose,
+            **dict.fromkeys(TRANSFORM_TOPICS, self.senses.reader.take_transforms),
+        }
+        for topic, (kind, profile) in self._topics.items():
+            take = others.get(topic) or partial(self._image, images[topic])
+
+            def came(message: Any, topic: str = topic, take: Callable[[Any], None] = take) -> None:
+                if self.on_message is not None:
+                    self.on_message(topic, message)
+                take(message)
+
+            self._listen(kind, topic, came, profile)
+        string = import_ros("std_msgs.msg").String
+        self._listen(string, "toponav/goal", lambda m: self._pursue(m.data), 10)
+
+    def _listen(self, kind: Any, topic: str, take: Callable[[Any], None], profile: Any) -> None:
+        self._subscriptions.append(self.node.create_subscription(kind, topic, take, profile))
 
     def _offer(self) -> None:
         geometry, std = import_ros("geometry_msgs.msg"), import_ros("std_msgs.msg")
@@ -174,21 +239,15 @@ class SearchNode:
         self._status = make(std.String, "toponav/status", 10)
         self.node.create_service(services.Trigger, "toponav/cancel", self._on_cancel)
         self.node.create_service(services.SetBool, "toponav/enable", self._on_enable)
+        self._accepted = import_ros("rcl_interfaces.msg").SetParametersResult(successful=True)
+        self.node.declare_parameter(GOAL_PARAMETER, "")
+        self.node.add_on_set_parameters_callback(self._on_parameters)
         cancel = import_ros("action_msgs.srv").CancelGoal
         self._cancel_request = cancel.Request
         self._cancel = self.node.create_client(cancel, "navigate_to_pose/_action/cancel_goal")
         self.node.create_timer(STATUS_S, self.tell)
 
-    def _names(self, message: Any) -> None:
-        self._note(self._robot.camera.names_topic, message)
-        self.senses.reader.take_names(message)
-
-    def _info(self, message: Any) -> None:
-        self._note(self._robot.camera.info_topic, message)
-        self.senses.reader.take_info(message)
-
     def _pose(self, message: Any) -> None:
-        self._note(self._robot.pose_topic, message)
         try:
             pose = pose_of(message)
         except PoseError as error:
@@ -197,23 +256,23 @@ class SearchNode:
         self.display.frame = message.header.frame_id or "map"
         self.senses.pose_came(seconds_of(message.header.stamp), pose, time.monotonic())
 
-    def _image(self, kind: str, topic: str, message: Any) -> None:
-        self._note(topic, message)
+    def _image(self, kind: str, message: Any) -> None:
         stamp_s = seconds_of(message.header.stamp)
         self.senses.image_came(kind, stamp_s, message, time.monotonic(), self.now_s())
 
-    def _note(self, topic: str, message: Any) -> None:
-        if self.on_message is not None:
-            self.on_message(topic, message)
-
-    def _goal(self, message: Any) -> None:
-        """A new goal; an empty one cancels."""
-        goal = message.data.strip()
+    def _pursue(self, goal: str) -> None:
+        """Search for another goal from now on; an empty one cancels."""
         self.display.found = None
-        if goal:
-            self.search.start(goal)
+        if goal.strip():
+            self.search.start(goal.strip())
         else:
             self.search.cancel()
+
+    def _on_parameters(self, parameters: list[Any]) -> Any:
+        for parameter in parameters:
+            if parameter.name == GOAL_PARAMETER:
+                self._pursue(str(parameter.value))
+        return self._accepted
 
     def _on_cancel(self, request: Any, response: Any) -> Any:
         del request
@@ -254,9 +313,14 @@ class SearchNode:
             last_s, due_s = now_s, max(due_s + period_s, now_s)
             tick(now_s)
 
+    def _hold(self, now_s: float) -> None:
+        """Keep the robot from moving where it may not."""
+        if not (self.enabled and self.active):
+            why = "disabled" if self.active else "not active"
+            self.senses.watchdog.hold(now_s + HOLD_S, why)
+
     def _tick_velocity(self, now_s: float) -> None:
-        if not self.enabled:
-            self.senses.watchdog.hold(now_s + 0.2, "disabled")
+        self._hold(now_s)
         twist = self._pilot.tick(self.senses.pose, self.senses.slam_pose, now_s)
         idle = twist == STILL and self._pilot.outcome is Outcome.NONE
         if not idle or self.search.goal:
@@ -264,8 +328,7 @@ class SearchNode:
             self.senses.commanded(self.now_s())
 
     def _tick_goals(self, now_s: float) -> None:
-        if not self.enabled:
-            self.senses.watchdog.hold(now_s + 0.2, "disabled")
+        self._hold(now_s)
         goal, cancel = self._goals.tick(self.senses.pose, now_s)
         if self._robot.dry_run:
             return

@@ -11,11 +11,15 @@ from typing import Any
 from toponav.robot.bag_writer import BagWriter, type_name
 from toponav.robot.config import RobotConfig
 from toponav.robot.frame_sync import Instant
-from toponav.robot.frames import COLOR, DEPTH, LABELS
+from toponav.robot.frames import COLOR, DEPTH, LABELS, TRANSFORM_TOPICS
 from toponav.robot.intent import Intent
 from toponav.robot.ros2_import import import_ros
 from toponav.robot.ros2_node import SearchNode
 from toponav.robot.ros2_run import interrupts
+from toponav.robot.ros2_topics import robot_topics
+
+WAITING = 50
+"""Messages of a topic that may wait to be written."""
 
 
 class SearchRecorder:
@@ -30,7 +34,7 @@ class SearchRecorder:
             COLOR: camera.color_topic,
             LABELS: camera.labels_topic,
         }
-        self._beside = {robot.pose_topic, camera.info_topic, camera.names_topic}
+        self._beside = {robot.pose_topic, camera.info_topic, camera.names_topic, *TRANSFORM_TOPICS}
         self._serialize = import_ros("rclpy.serialization").serialize_message
         node.on_message = self._came
         node.search.watchers.append(self)
@@ -81,20 +85,7 @@ def record(robot: RobotConfig, path: Path, seconds: float, say: Callable[[str], 
 
 
 def _subscribe(node: Any, robot: RobotConfig, bag: BagWriter) -> None:
-    sensor, std = import_ros("sensor_msgs.msg"), import_ros("std_msgs.msg")
-    package = "nav_msgs.msg" if robot.pose_type == "Odometry" else "geometry_msgs.msg"
-    qos, camera = import_ros("rclpy.qos"), robot.camera
-    latched = qos.QoSProfile(depth=1, durability=qos.DurabilityPolicy.TRANSIENT_LOCAL)
-    sensing = qos.QoSProfile(depth=50, reliability=qos.ReliabilityPolicy.BEST_EFFORT)
-    topics = {
-        camera.info_topic: (sensor.CameraInfo, sensing),
-        camera.names_topic: (std.String, latched),
-        robot.pose_topic: (getattr(import_ros(package), robot.pose_type), sensing),
-    }
-    for topic in (camera.color_topic, camera.depth_topic, camera.labels_topic):
-        packed = topic.endswith("/compressed")
-        topics[topic] = (sensor.CompressedImage if packed else sensor.Image, sensing)
-    for topic, (kind, profile) in topics.items():
+    for topic, (kind, profile) in robot_topics(robot, WAITING, labels=True).items():
         name, text = node.resolve_topic_name(topic), type_name(kind)
 
         def came(data: bytes, name: str = name, text: str = text) -> None:

@@ -14,30 +14,33 @@ from typing import Any
 from toponav.knowledge import RecallingAgent
 from toponav.robot.memory_file import MemoryKeeper
 from toponav.robot.ros2_import import import_ros
+from toponav.robot.ros2_lifecycle import start_by_itself
 from toponav.robot.ros2_node import SearchNode, Task
 from toponav.robot.search import Status
 
 
 @dataclass(frozen=True)
-class RunFiles:
-    """What a run writes.
+class RunOptions:
+    """How the node is run, and what it writes.
 
     Attributes:
         memory: File of what is known of the building.
         out: Folder of the map's clouds.
         watchers: Each called with the node before it starts, to watch it.
+        managed: Whether a lifecycle manager configures and activates the node.
     """
 
     memory: Path | None = None
     out: Path | None = None
     watchers: Sequence[Callable[[SearchNode], object]] = ()
+    managed: bool = False
 
 
 def run_node(
     task: Task,
     target: str | None,
     timeout_s: float,
-    files: RunFiles,
+    options: RunOptions,
     say: Callable[[str], None],
 ) -> dict[str, Any]:
     """Search for a target, or wait for goals; the last status, with the seconds it took.
@@ -52,20 +55,22 @@ def run_node(
     with interrupts(stopped):
         node = SearchNode(task)
         keeper = None
-        if files.memory is not None and isinstance(task.agent, RecallingAgent):
-            keeper = MemoryKeeper(files.memory, task.agent, node.senses)
+        if options.memory is not None and isinstance(task.agent, RecallingAgent):
+            keeper = MemoryKeeper(options.memory, task.agent, node.senses)
             node.search.watchers.append(keeper)
-        for watch in files.watchers:
+        for watch in options.watchers:
             watch(node)
         executor = import_ros("rclpy.executors").SingleThreadedExecutor()
         executor.add_node(node.node)
         begun_s = time.monotonic()
         node.start()
+        if not options.managed:
+            start_by_itself(node.node)
         if target is not None:
             node.search.start(target)
         told = ""
         try:
-            while not stopped.is_set():
+            while not (stopped.is_set() or node.ended.is_set()):
                 executor.spin_once(timeout_sec=0.1)
                 node.raise_failure()
                 line = _line(node)
@@ -83,10 +88,10 @@ def run_node(
             rclpy.try_shutdown()
     if keeper is not None:
         keeper.write()
-    if files.out is not None and isinstance(task.agent, RecallingAgent):
+    if options.out is not None and isinstance(task.agent, RecallingAgent):
         from toponav.evaluation.mapping_run import write_clouds
 
-        write_clouds(task.agent.knowledge.semantic_map.view(), files.out)
+        write_clouds(task.agent.knowledge.semantic_map.view(), options.out)
     return {
         **status,
         "seconds": time.monotonic() - begun_s,

@@ -192,10 +192,13 @@ class Search:
         outcome = self._driver.outcome
         if self._moving and outcome is not Outcome.UNDER_WAY:
             self._moving = False
-            self._collided = outcome is Outcome.BLOCKED
+            # A turn that is blocked says nothing of what is ahead.
+            self._collided = outcome is Outcome.BLOCKED and not self._turning
             self._rest_s = self._clock() + self._timing.settle_s
         instant = self._senses.newest()
-        self.reason = self._senses.reader.lacks
+        with self._lock:
+            if self._generation == generation:
+                self.reason = self._senses.reader.lacks
         if instant is None or not self._is_due(instant):
             return
         begun_s = time.perf_counter()

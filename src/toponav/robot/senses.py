@@ -113,15 +113,17 @@ class Senses:
 
     def _look_ahead(self, now_s: float, at_s: float) -> None:
         """Show the guard the newest depth image whose pose is known."""
-        camera = self.reader.intrinsics
-        instant = None if camera is None else self._ahead.newest(self._poses)
-        if instant is None or camera is None:
+        camera, mount = self.reader.intrinsics, self.reader.base_from_camera
+        if camera is None or mount is None:
+            return
+        instant = self._ahead.newest(self._poses)
+        if instant is None:
             return
         depth = self.reader.depth(instant.parts[DEPTH])
         if depth.shape != (camera.height, camera.width):
             return
         pose = instant.world_from_base
-        placed = pose @ self.reader.base_from_camera
+        placed = pose @ mount
         taken_s = now_s - max(0.0, at_s - instant.stamp_s)
-        self.guard.see(depth, camera, placed, pose.translation, taken_s)
+        self.guard.see(depth, camera, placed, pose, taken_s)
         self._unanswered_s = instant.stamp_s

@@ -10,9 +10,9 @@ import numpy as np
 from pydantic import Field
 
 from toponav.config_model import ConfigModel
-from toponav.envs.simulator import HouseEnv
 from toponav.geometry import Pose
 from toponav.robot.motion import STILL, MotionConfig, TurnMotion, Twist, WayMotion, within_limits
+from toponav.robot.sim_env import RobotEnv
 from toponav.robot.sim_planner import SimPlanner
 
 
@@ -73,12 +73,12 @@ class Drive:
 
 
 class SimBase:
-    """Moves the body of a `HouseEnv` that was reset."""
+    """Moves the body of a `RobotEnv` that was reset."""
 
-    def __init__(self, env: HouseEnv, config: SimBaseConfig) -> None:
+    def __init__(self, env: RobotEnv, config: SimBaseConfig) -> None:
         """Stand still."""
         self._env, self._config = env, config
-        self._planner = SimPlanner(env.surface)
+        self._planner = SimPlanner(env.surface, env.footprint.end_m)
         self._wanted, self._wanted_s = STILL, -math.inf
         self._drive: Drive | TurnMotion | None = None
         self._last_s: float | None = None
@@ -131,25 +131,37 @@ class SimBase:
     def _step(self, time_s: float, step_s: float) -> None:
         wanted = self._target(time_s)
         self.twist = within_limits(wanted, self.twist, step_s, self._config.motion)
-        bumped = False
+        impact = 0.0
         if self.twist != STILL:
             before = self._env.position
             self._env.drive(self.twist.speed * step_s, self.twist.turn_rate * step_s)
             self.travelled_m += float(np.linalg.norm(self._env.position - before))
-            bumped = bool(self._env.collided) and self.twist.speed > 0.0
+            impact = self._impact()
+        bumped = impact > 0.0
         if bumped:
             if not self._touching:
                 self.bumps += 1
-                self.bump_speed = max(self.bump_speed, self.twist.speed)
-            self.twist = Twist(0.0, self.twist.turn_rate)
+                self.bump_speed = max(self.bump_speed, impact)
+            speed = 0.0 if self._env.collided else self.twist.speed
+            turn_rate = 0.0 if self._env.turn_collided else self.twist.turn_rate
+            self.twist = Twist(speed, turn_rate)
         if bumped or self.twist.speed == 0.0:
-            self._touching = bumped or (self._touching and wanted.speed > 0.0)
+            self._touching = bumped or (self._touching and wanted.speed != 0.0)
         else:
             self._touching = False
         x, y = self._env.position[:2]
         self.trace.append(
             TracePoint(time_s, x, y, self._env.yaw, self.twist.speed, self.twist.turn_rate, bumped)
         )
+
+    def _impact(self) -> float:
+        """How fast the body ran into something, ahead or with an end as it turned; 0 if it did not.
+
+        Metres a second.
+        """
+        ahead = abs(self.twist.speed) if self._env.collided else 0.0
+        end = abs(self.twist.turn_rate) * self._env.footprint.turning_radius_m
+        return max(ahead, end if self._env.turn_collided else 0.0)
 
     def _target(self, now_s: float) -> Twist:
         """The velocity that is wanted now."""

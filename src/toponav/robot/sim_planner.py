@@ -18,19 +18,28 @@ SAME_FLOOR_M = 0.5
 BEYOND_M = 30.0
 """The map reaches this far from where the robot first was, metres."""
 
-CONFIG = PlannerConfig(
-    radius_m=CELL_M, preferred_clearance_m=0.35, escape_radius_m=0.1, goal_tolerance_m=0.5
-)
-"""The surface has the body's radius taken off already; ways keep to the middle as Nav2's do."""
+CLEARANCE_M = 0.35
+"""Ways keep to the middle as Nav2's do, metres."""
 
 
 class SimPlanner:
     """Plans over what a surface says can be stood on."""
 
-    def __init__(self, surface: Surface) -> None:
-        """Sample nothing yet."""
+    def __init__(self, surface: Surface, end_m: float = 0.0) -> None:
+        """Sample nothing yet.
+
+        Args:
+            surface: Has half the body's width taken off already.
+            end_m: What the body is longer than wide, at either end; it is to turn everywhere.
+        """
         self._surface = surface
-        self._planner = Planner(CONFIG)
+        config = PlannerConfig(
+            radius_m=CELL_M + end_m,
+            preferred_clearance_m=CLEARANCE_M + end_m,
+            escape_radius_m=0.1,
+            goal_tolerance_m=0.5,
+        )
+        self._planner = Planner(config)
         self._floors: list[tuple[float, OccupancyGrid]] = []
 
     def way(self, start: NDArray[np.float64], goal: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -11,7 +11,6 @@ import numpy as np
 from pydantic import Field
 
 from toponav.config_model import ConfigModel
-from toponav.envs.simulator import HouseEnv
 from toponav.geometry import Intrinsics, Pose
 from toponav.robot.config import RobotConfig
 from toponav.robot.frames import pose_of
@@ -19,6 +18,7 @@ from toponav.robot.motion import Twist
 from toponav.robot.ros2_import import import_ros
 from toponav.robot.ros2_messages import write_image, write_pose
 from toponav.robot.sim_base import SimBase, SimBaseConfig
+from toponav.robot.sim_env import RobotEnv
 from toponav.robot.sim_faults import FaultConfig, Faults
 
 
@@ -39,10 +39,10 @@ class SimRobotConfig(ConfigModel):
 
 
 class SimRobot:
-    """Publishes colour, depth, camera_info, labels and poses of a `HouseEnv` that was reset."""
+    """Publishes colour, depth, camera_info, labels and poses of a `RobotEnv` that was reset."""
 
     def __init__(
-        self, env: HouseEnv, robot: RobotConfig, config: SimRobotConfig, seed: int = 0
+        self, env: RobotEnv, robot: RobotConfig, config: SimRobotConfig, seed: int = 0
     ) -> None:
         """Make the node; `rclpy.init` has been called.
 

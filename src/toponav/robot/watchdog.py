@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
+from typing import Annotated
 
 from pydantic import Field
 from shapely import Polygon, contains_xy
 
 from toponav.config_model import ConfigModel
 from toponav.geometry import Pose
+
+Corners = tuple[tuple[float, float], ...]
+"""Of an area, metres."""
 
 
 class WatchdogConfig(ConfigModel):
@@ -23,7 +27,7 @@ class WatchdogConfig(ConfigModel):
     max_depth_latency_s: float = Field(default=1.0, gt=0.0)
     """Depth that was taken longer ago, by its stamp, stops the robot, seconds."""
 
-    keep_out: tuple[tuple[tuple[float, float], ...], ...] = ()
+    keep_out: tuple[Annotated[Corners, Field(min_length=3)], ...] = ()
     """Areas in the pose's frame, each by its corners (metres), into which the robot must not go."""
 
     look_ahead_s: float = Field(default=1.0, ge=0.0)

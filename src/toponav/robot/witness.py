@@ -72,12 +72,28 @@ class Witness:
             TopoNavError: Nobody offers it or answers.
         """
         kind = getattr(import_ros("std_srvs.srv"), service)
+        client = self._client(kind, name, timeout_s)
+        called_s = time.time()
+        self._answer(client, kind.Request(**values), timeout_s)
+        return called_s
+
+    def ask(self, kind: Any, name: str, request: Any, timeout_s: float) -> Any:
+        """Call a service of any kind; its response.
+
+        Raises:
+            TopoNavError: Nobody offers it or answers.
+        """
+        return self._answer(self._client(kind, name, timeout_s), request, timeout_s)
+
+    def _client(self, kind: Any, name: str, timeout_s: float) -> Any:
         client = self.node.create_client(kind, name)
         self.wait(client.service_is_ready, timeout_s, name)
-        called_s = time.time()
-        answer = client.call_async(kind.Request(**values))
-        self.wait(answer.done, timeout_s, f"an answer of {name}")
-        return called_s
+        return client
+
+    def _answer(self, client: Any, request: Any, timeout_s: float) -> Any:
+        answer = client.call_async(request)
+        self.wait(answer.done, timeout_s, f"an answer of {client.service_name}")
+        return answer.result()
 
     def _odometry(self, message: Any) -> None:
         self.speed = message.twist.twist.linear.x

@@ -192,7 +192,9 @@ def _write_mp4(frames: Iterator[Image.Image], path: Path, rate: float) -> int:
 
 
 def _write_gif(frames: Iterator[Image.Image], path: Path, rate: float) -> int:
-    images = [image.quantize(128, dither=Image.Dither.NONE) for image in frames]
+    # An octree keeps the colours of thin lines, which a median cut gives to large areas.
+    octree, plain = Image.Quantize.FASTOCTREE, Image.Dither.NONE
+    images = [image.quantize(128, octree, dither=plain) for image in frames]
     times = [round(1000.0 / rate)] * len(images)
     times[-1] += round(1000.0 * LAST_S)
     images[0].save(path, save_all=True, append_images=images[1:], duration=times, loop=0)

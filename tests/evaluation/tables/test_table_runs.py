@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
 from made_results import made_config, made_result, made_run, missed, write_run
 from toponav.errors import InputError
 from toponav.evaluation.results import to_json
-from toponav.evaluation.tables.runs import load_runs
+from toponav.evaluation.statistics import Resampling
+from toponav.evaluation.tables.formats import Format, render
+from toponav.evaluation.tables.report import ReportOptions, SplitKind, report
+from toponav.evaluation.tables.report_data import report_data
+from toponav.evaluation.tables.report_tables import report_tables
+from toponav.evaluation.tables.runs import ORACLE_FOLLOWER_MARK, load_runs
 
 RESULTS = [made_result(index=1), missed(index=0)]
 
@@ -34,6 +41,21 @@ def test_names_are_as_long_as_it_takes_to_tell_runs_apart(tmp_path: Path) -> Non
     folders = [write_run(tmp_path / part / "run", RESULTS) for part in ("first", "second")]
     assert [run.name for run in load_runs(folders)] == ["first/run", "second/run"]
     assert [run.name for run in load_runs(folders, ["x", "y"])] == ["x", "y"]
+
+
+@pytest.mark.parametrize("form", get_args(Format))
+@pytest.mark.parametrize("by", [None, "category", "failure"])
+def test_the_oracle_follower_is_named_in_every_table(
+    by: SplitKind | None, form: Format, tmp_path: Path
+) -> None:
+    folders = [write_run(tmp_path / "map", RESULTS)]
+    folders.append(write_run(tmp_path / "navmesh", RESULTS, follower="oracle"))
+    told = report(load_runs(folders), ReportOptions(by, 0, Resampling(resamples=100)))
+    named = f"navmesh{ORACLE_FOLLOWER_MARK}"
+    assert [run["name"] for run in report_data(told)["runs"]] == ["map", named]
+    for table in report_tables(told):
+        bare = replace(table, notes=())
+        assert named in " ".join(render([bare], form).split()), table.title
 
 
 @pytest.mark.parametrize("names", [["x"], ["x", "x"], ["x", ""], ["x", "y", "z"]])

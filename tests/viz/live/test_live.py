@@ -11,12 +11,15 @@ from typing import Any
 
 import pytest
 
+from drawn_map import observation_at
 from small_house import SMALL
 from toponav.cli.main import main
 from toponav.errors import InputError, MissingExtraError
 from toponav.scenes.generate import generate_house
 from toponav.scenes.house_io import save_house
+from toponav.types import Action
 from toponav.viz.live.stream import LiveOptions, check, watching
+from toponav.viz.live.watcher import MOST_PATH, LiveWatcher
 
 pytest.importorskip("rerun", reason="needs the extra viz")
 
@@ -65,6 +68,32 @@ def test_reruns_own_tools_open_the_file_and_list_it(searched: Path) -> None:
     assert any(f"/world/map/objects/{label}" in listing for label in seen)
     for timeline in ("step", "decision"):
         assert timeline in listing
+
+
+class KeepingStream:
+    """Takes the place of a recording, and keeps what was logged last."""
+
+    def __init__(self) -> None:
+        self.last: dict[str, Any] = {}
+
+    def set_time(self, timeline: str, sequence: int) -> None:
+        pass
+
+    def log(self, entity: str, value: Any, static: bool = False) -> None:
+        self.last[entity] = value
+
+
+def test_a_step_of_a_long_search_logs_no_more_than_one_of_a_short_one() -> None:
+    import rerun
+
+    stream = KeepingStream()
+    watcher = LiveWatcher(rerun, stream, "bed")
+    for step in range(MOST_PATH + 300):
+        watcher.on_step(observation_at(0.01 * step, 0.0, step=step), Action.MOVE_FORWARD)
+    (path,) = stream.last["world/agent/path"].strips.as_arrow_array().to_pylist()
+    assert len(path) <= MOST_PATH + 1
+    assert path[-1][0] == pytest.approx(0.01 * step)
+    assert path[0][0] == pytest.approx(0.0)
 
 
 def test_nothing_is_logged_unasked() -> None:

@@ -132,6 +132,20 @@ def test_the_arrows_step_through_the_decisions_as_they_were_made(
     browser.until("return location.hash.includes('decision=end')")
 
 
+def test_decisions_at_one_step_are_each_shown(browser: Browser, page: Page) -> None:
+    run = page[1][0]
+    steps = [decision_steps(run, k) for k in range(len(run.episodes))]
+    k = next(k for k, own in enumerate(steps) if len(set(own)) < len(own))
+    again = next(n for n, step in enumerate(steps[k]) if step in steps[k][:n])
+    for number in (again, again + 1):
+        open_episode(browser, page, k, decision=str(number))
+        browser.until(
+            "return document.querySelector('.caption').innerText.startsWith(arguments[0])",
+            f"Decision {number} at step {steps[k][again]},",
+        )
+    assert browser.count(".ticks span") == len(steps[k]) + 1
+
+
 def test_a_deep_link_opens_its_decision(browser: Browser, page: Page) -> None:
     run = page[1][0]
     k = longest(run)

@@ -66,6 +66,15 @@ def poison_config(path: Path) -> None:
     path.write_text(json.dumps({**config, "method": HOSTILE, "detector": HOSTILE}))
 
 
+def test_the_text_is_hostile(session: Browser, tmp_path: Path) -> None:
+    """On a page that escapes nothing it runs: so the tests below can fail."""
+    bare = tmp_path / "bare.html"
+    bare.write_text(f"<p>{HOSTILE}</p>")
+    session.open(bare)
+    session.until("return window.hacked === 1")
+    session.complaints()
+
+
 def test_names_stay_text(browser: Browser, page: Path) -> None:
     browser.open(page)
     browser.until("return document.readyState === 'complete'")

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from toponav.envs.simulator.agent_body import AgentBody
 from toponav.envs.simulator.renderer import NO_INSTANCE, RenderedFrame
-from toponav.errors import MissingExtraError, SceneError
+from toponav.errors import InputError, MissingExtraError, SceneError
 from toponav.geometry import Intrinsics, Pose
 from toponav.geometry.conventions import HABITAT_FROM_WORLD, OPTICAL_FROM_OPENGL
 from toponav.scenes.habitat.layout import dataset_config
@@ -58,6 +58,19 @@ def import_habitat_sim() -> Any:
             "embedded"
         ) from error
     return habitat_sim
+
+
+def gpu_device() -> int:
+    """The number of the device on which Habitat renders.
+
+    Raises:
+        InputError: The environment variable holds no number.
+    """
+    text = os.environ.get(GPU_VARIABLE, str(FIRST_EGL_DEVICE))
+    try:
+        return int(text)
+    except ValueError:
+        raise InputError(f"{GPU_VARIABLE}={text!r}: give the number of a device") from None
 
 
 class HabitatSimulator:
@@ -139,7 +152,7 @@ class HabitatSimulator:
         config = dataset_config(stage)
         if config is not None:
             backend.scene_dataset_config_file = str(config)
-        backend.gpu_device_id = int(os.environ.get(GPU_VARIABLE, FIRST_EGL_DEVICE))
+        backend.gpu_device_id = gpu_device()
         backend.enable_physics = False
         backend.load_semantic_mesh = True
         backend.allow_sliding = False

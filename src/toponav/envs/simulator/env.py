@@ -184,7 +184,7 @@ class HouseEnv(gymnasium.Env[dict[str, Any], Any]):
         """Move as a continuous body does: turn, then go straight on; `look` shows the new image.
 
         Args:
-            distance: Metres along the new heading; a negative one stands still.
+            distance: Metres along the new heading; a negative one goes back.
             turn: Radians, counter-clockwise.
 
         Raises:
@@ -193,7 +193,8 @@ class HouseEnv(gymnasium.Env[dict[str, Any], Any]):
         self.observe()
         before = self._world_from_base()
         self.yaw = math.remainder(self.yaw + turn, math.tau)
-        motion = self.surface.move(self.position, self.yaw, max(0.0, distance))
+        heading = self.yaw if distance >= 0.0 else self.yaw + math.pi
+        motion = self.surface.move(self.position, heading, abs(distance))
         self.position, self.collided = motion.position, motion.collided
         self._noise.moved(before, self._world_from_base())
 

@@ -17,13 +17,17 @@ from toponav.evaluation.run_folder import CONFIG_FILE, RESULT_FILE, differences
 SUBJECT = frozenset({"method", "preset", "navigator"})
 """What runs are compared for; the rest of a configuration is the protocol they should share."""
 
+ORACLE_FOLLOWER_MARK = " (oracle follower)"
+"""Ends the name of a run that walks on the simulator's navmesh, in every table of every format."""
+
 
 @dataclass(frozen=True)
 class Run:
     """One run, as a table shows it.
 
     Attributes:
-        name: Its name in tables; unique among the runs of a table.
+        name: Its name in tables; unique among the runs of a table. That of a run with the oracle
+            follower says so.
         folder: Where it was read from.
         config: Its `config.json`, empty where there is none.
         episodes: Its results in the order of their keys; at least one.
@@ -129,7 +133,10 @@ def _load(folder: Path, name: str) -> Run:
     results = _results(folder)
     if not results:
         raise InputError(f"{folder / EPISODES_FILE}: no finished episode yet; nothing to show")
-    return Run(name, folder, _config(folder), tuple(sorted(results, key=lambda r: r.key)))
+    config = _config(folder)
+    if config.get("follower", "map") == "oracle":
+        name += ORACLE_FOLLOWER_MARK
+    return Run(name, folder, config, tuple(sorted(results, key=lambda r: r.key)))
 
 
 def _results(folder: Path) -> list[EpisodeResult]:

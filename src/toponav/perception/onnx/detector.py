@@ -99,7 +99,7 @@ def _prepared(
     scaled = np.maximum(np.rint(ratio * (width, height)).astype(int), 1)
     resized = Image.fromarray(rgb).resize((int(scaled[0]), int(scaled[1])))
     pixels = np.full((card.size, card.size, 3), GREY, np.uint8)
-    pixels[: scaled[1], : scaled[0]] = resized
+    pixels[: scaled[1], : scaled[0]] = np.asarray(resized)
     if card.channels == "bgr":
         pixels = pixels[..., ::-1]
     factor = np.array(card.scale / np.asarray(card.std), np.float32)

@@ -57,7 +57,7 @@ def load_hm3d_scene(stage: Path) -> Scene:
         if not path.is_file():
             raise SceneError(
                 f"{path}: no such file; HM3D's annotations lie beside {stage.name}, and the "
-                "download hm3d_semantics brings them"
+                "downloads hm3d_semantics_v0.1 and hm3d_semantics_v0.2 bring them"
             )
     text, labelled_file = beside(stage, SEMANTIC_TEXT), beside(stage, SEMANTIC_MESH)
     objects = read_semantic_text(text)

@@ -23,6 +23,9 @@ STEP, DECISION = "step", "decision"
 MOST_POINTS = 20_000
 """Points logged of one cloud: beyond, every n-th, so that a large building stays fluent."""
 
+MOST_PATH = 1_000
+"""Points of the path logged at a step: what a step costs does not grow with those before it."""
+
 IMAGE_WIDTH = 320
 """Images are logged at most this wide, in pixels: about 20 kB of RGB and 30 kB of depth a step."""
 
@@ -66,7 +69,8 @@ class LiveWatcher:
         moved = not self._positions or not np.array_equal(position, self._positions[-1])
         if moved:
             self._positions.append(position)
-            path = np.array(self._positions) + LIFT
+            kept = self._positions[entities.thin(len(self._positions), MOST_PATH)]
+            path = np.array([*kept, position]) + LIFT
             log(f"{at.AGENT}/path", rr.LineStrips3D([path], colors=[[25, 113, 194]]))
         log(f"{at.AGENT}/body", rr.Points3D([position], radii=0.15, colors=[[25, 113, 194]]))
         self._log_camera(observation)

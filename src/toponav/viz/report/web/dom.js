@@ -14,7 +14,7 @@ export function svg(tag, attributes = {}, ...children) {
 
 /** Replace what an element holds. */
 export function fill(element, ...children) {
-  element.replaceChildren(...children.flat().filter(isShown));
+  element.replaceChildren(...children.flat(2).filter(isShown));
   return element;
 }
 

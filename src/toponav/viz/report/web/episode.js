@@ -1,11 +1,11 @@
 // The stage with an episode on it: its head, the slider, and a pane for each run.
 
 import { el, fill } from "./dom.js";
+import { episodeFigures } from "./facts.js";
 import { LAYERS, extentOf } from "./map.js";
 import { momentOf, momentsOf } from "./moments.js";
-import { fixed } from "./numbers.js";
 import { Pane } from "./pane.js";
-import { definitions, outcomeChip } from "./parts.js";
+import { outcomeChip } from "./parts.js";
 
 const SHOWN = Object.fromEntries(Object.keys(LAYERS).map((name) => [name, true]));
 // Kept from episode to episode, for the reader set it.
@@ -57,19 +57,12 @@ export class EpisodeStage {
   head(companions) {
     const { run, episode } = this.sources[0];
     const place = ` in ${episode.scene} #${episode.index}`;
-    const figures = [
-      ["SPL", fixed(episode.spl, 2)],
-      ["steps", String(episode.steps)],
-      ["path", `${fixed(episode.length, 1)} of ${fixed(episode.shortest, 1, "m")}`],
-      ["left", fixed(episode.distance, 2, "m")],
-      ["decisions", String(episode.decisions)],
-      ["collisions", String(episode.collisions)],
-    ];
+    const alone = this.sources.length === 1; // else each pane has its own outcome and figures
     return el(
       "div",
       { class: "head" },
-      el("h1", {}, episode.target, el("small", {}, place), " ", outcomeChip(episode)),
-      definitions("figures", figures),
+      el("h1", {}, episode.target, el("small", {}, place), " ", alone && outcomeChip(episode)),
+      alone && episodeFigures(episode),
       companions && el("label", { class: "with" }, `${run.name} with `, companions),
     );
   }

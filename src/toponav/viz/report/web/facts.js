@@ -20,6 +20,24 @@ export function factsOf(decision, strip, map) {
   ];
 }
 
+/** The measures of an episode. */
+export function episodeFigures(episode) {
+  return definitions("figures", [
+    ["SPL", fixed(episode.spl, 2)],
+    ["steps", String(episode.steps)],
+    ["path", fixed(episode.length, 1, "m")],
+    ["shortest", fixed(episode.shortest, 1, "m")],
+    ["to the target", fixed(episode.distance, 2, "m")],
+    ["decisions", String(episode.decisions)],
+    ["collisions", String(episode.collisions)],
+  ]);
+}
+
+/** What ended the search, in words. */
+export function endedBy({ ended }) {
+  return ended.replace("step-limit", "step limit");
+}
+
 /** How the search went, from the truth that the agent never saw. */
 export function endingOf(episode) {
   const at = (step) => (step === null ? "never" : `step ${step}`);
@@ -27,7 +45,7 @@ export function endingOf(episode) {
     ["target first in view", at(episode.visible)],
     ["first detected", at(episode.detected)],
     ["first set out for", at(episode.approached)],
-    ["end", `${episode.ended}, step ${episode.steps}`],
+    ["end", `${endedBy(episode)}, step ${episode.steps}`],
   ];
   return card("How it ended", definitions("pairs", stages));
 }

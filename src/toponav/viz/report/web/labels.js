@@ -3,10 +3,14 @@
 const CHARACTER = 6.2; // pixels of a letter at the map's size of type
 const LINE = 14;
 
-/** Places labels one after the other; sizes are pixels, `unit` is metres a pixel. */
+/**
+ * Places labels one after the other; sizes are pixels, `unit` is metres a pixel, and `span` is what is
+ * in view from left to right, metres.
+ */
 export class LabelPlacer {
-  constructor(unit) {
+  constructor(unit, span) {
     this.unit = unit;
+    this.span = span;
     this.boxes = [];
   }
 
@@ -25,9 +29,12 @@ export class LabelPlacer {
     return spots.find((spot) => this.take(spot, width)) ?? null;
   }
 
-  /** Take the spot around (x, y) for a label, if it is free. */
+  /** A spot around (x, y) for a label, moved into sight at the edges, or null if it is taken. */
   at(x, y, text) {
-    return this.take([x, y], this.widthOf(text)) ? [x, y] : null;
+    const width = this.widthOf(text);
+    const [left, right] = this.span;
+    const spot = [Math.min(Math.max(x, left + width / 2), right - width / 2), y];
+    return this.take(spot, width) ? spot : null;
   }
 
   widthOf(text) {
@@ -37,6 +44,7 @@ export class LabelPlacer {
   take([x, y], width) {
     const half = (LINE / 2) * this.unit;
     const box = [x - width / 2, y - half, x + width / 2, y + half];
+    if (box[0] < this.span[0] || box[2] > this.span[1]) return false;
     if (this.boxes.some((other) => overlap(box, other))) return false;
     this.boxes.push(box);
     return true;

@@ -42,5 +42,6 @@ function summary(episodes, total) {
   const [low, high] = wilson(found, n).map((rate) => (100 * rate).toFixed(0));
   const spl = episodes.reduce((sum, episode) => sum + episode.spl, 0) / n;
   const rate = ((100 * found) / n).toFixed(1);
-  return `${n} of ${counted(total, "episode")}: SR ${rate} % [${low}, ${high}], SPL ${spl.toFixed(3)}`;
+  const count = n === total ? counted(n, "episode") : `${n} of ${counted(total, "episode")}`;
+  return `${count}: SR ${rate} % [${low}, ${high}], SPL ${spl.toFixed(3)}`;
 }

@@ -23,6 +23,8 @@ const MARGIN_M = 0.5;
 const LEAST_SIDE_M = 4;
 const ZOOM_STEP = 1.4;
 const MOST_ZOOM = 12;
+const SCALE_LENGTHS_M = [0.5, 1, 2, 5, 10, 20, 50];
+const SCALE_PX = 110; // the scale's bar is at most so long
 const CENTI = 100; // positions of the path are whole centimetres
 
 /** What the panes' maps must show: [x0, y0, x1, y1] around all that the episodes got to know. */
@@ -62,7 +64,8 @@ export class EpisodeMap {
       this[name] = svg("g", { class: name });
       this.root.append(this[name]);
     }
-    this.element = el("div", { class: "mapframe" }, this.root, this.buttons());
+    this.scale = el("div", { class: "scale" });
+    this.element = el("div", { class: "mapframe" }, this.root, this.buttons(), this.scale);
     this.listenToDrags();
     new ResizeObserver(() => this.draw(this.scene)).observe(this.root);
   }
@@ -72,7 +75,7 @@ export class EpisodeMap {
     if (!scene || !this.root.isConnected) return;
     this.fitView();
     const { decision, shown } = scene;
-    const placer = new LabelPlacer(this.unit);
+    const placer = new LabelPlacer(this.unit, this.span);
     fill(this.raster, rasters(scene));
     fill(this.path, shown.path ? pathMarks(scene) : []);
     fill(this.frontiers, shown.frontiers ? frontierMarks(decision, placer) : []);
@@ -101,6 +104,17 @@ export class EpisodeMap {
     const { clientWidth, clientHeight } = this.root;
     this.unit = Math.max(width / Math.max(clientWidth, 1), height / Math.max(clientHeight, 1));
     this.root.style.setProperty("--px", String(this.unit));
+    const middle = left + width / 2;
+    this.span = [middle - (clientWidth / 2) * this.unit, middle + (clientWidth / 2) * this.unit];
+    this.showScale();
+  }
+
+  /** A bar of a round length, to judge distances by. */
+  showScale() {
+    const most = SCALE_PX * this.unit;
+    const length = SCALE_LENGTHS_M.findLast((one) => one <= most) ?? SCALE_LENGTHS_M[0];
+    this.scale.textContent = `${length}\u202fm`;
+    this.scale.style.width = `${length / this.unit}px`;
   }
 
   zoomBy(factor) {

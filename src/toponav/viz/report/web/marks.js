@@ -75,7 +75,8 @@ export function landmarkMarks(decision, placer) {
   if (!decision?.map) return [];
   return decision.map.landmarks.map(([category, x, y]) => {
     const name = decision.map.categories[category];
-    return placer.at(x, -y, name) && svg("text", { x, y: -y }, name);
+    const spot = placer.at(x, -y, name);
+    return spot && svg("text", { x: spot[0], y: spot[1] }, name);
   });
 }
 

@@ -1,24 +1,39 @@
 // The moments of the slider: every decision of the panes, and the end.
 
-/** Moments in order of steps: {step, decision: number of the first pane's, or null, end}. */
+/**
+ * Moments in order: {step, round, decision: number of the first pane's, or null, end}.
+ *
+ * An agent may decide several times at one step, as when it has looked around and then thinks again:
+ * `round` counts those from 0.
+ */
 export function momentsOf(panes) {
-  const bySteps = new Map();
+  const moments = new Map();
   panes.forEach((pane, p) => {
-    pane.data.decisions.forEach((decision, k) => {
-      const moment = bySteps.get(decision.step) ?? { step: decision.step, decision: null, end: false };
+    const { decisions } = pane.data;
+    decisions.forEach(({ step }, k) => {
+      const round = roundOf(decisions, k);
+      const key = `${step}/${round}`;
+      const moment = moments.get(key) ?? { step, round, decision: null, end: false };
       if (p === 0) moment.decision = k;
-      bySteps.set(decision.step, moment);
+      moments.set(key, moment);
     });
   });
-  const moments = [...bySteps.values()].sort((a, b) => a.step - b.step);
+  const ordered = [...moments.values()].sort((a, b) => a.step - b.step || a.round - b.round);
   const last = Math.max(...panes.map((pane) => pane.episode.steps));
-  moments.push({ step: last, decision: null, end: true });
-  return moments;
+  return [...ordered, { step: last, round: Infinity, decision: null, end: true }];
 }
 
 /** The number of a pane's last decision at a moment; -1 before its first. */
-export function decisionAt(data, moment) {
-  return data.decisions.findLastIndex((decision) => decision.step <= moment.step);
+export function decisionAt({ decisions }, moment) {
+  return decisions.findLastIndex(
+    ({ step }, k) =>
+      step < moment.step || (step === moment.step && roundOf(decisions, k) <= moment.round),
+  );
+}
+
+/** How many decisions were made at the same step before decision `k`. */
+function roundOf(decisions, k) {
+  return k - decisions.findIndex(({ step }) => step === decisions[k].step);
 }
 
 /** The moment that an address names; the first where it names none. */

@@ -1,7 +1,7 @@
 // One run's side of an episode: its map and its facts.
 
 import { el, fill } from "./dom.js";
-import { endingOf, factsOf } from "./facts.js";
+import { endedBy, endingOf, episodeFigures, factsOf } from "./facts.js";
 import { EpisodeMap } from "./map.js";
 import { decisionAt } from "./moments.js";
 import { counted, fixed } from "./numbers.js";
@@ -26,6 +26,7 @@ export class Pane {
       "div",
       { class: "pane" },
       titled && el("h2", {}, source.run.name, " ", outcomeChip(source.episode)),
+      titled && episodeFigures(source.episode),
       el("div", { class: "look" }, this.map.element, this.caption),
       this.facts,
     );
@@ -45,7 +46,8 @@ export class Pane {
     fill(this.caption, captionOf(decision, k, moment, episode));
     const strip = await loadPicture(decision?.panorama);
     if (this.moment !== moment) return;
-    fill(this.facts, this.note(), moment.end && endingOf(episode), factsOf(decision, strip, this.map));
+    const end = moment.end && [endingOf(episode), decision && lastDecision(decision, k)];
+    fill(this.facts, this.note(), end, factsOf(decision, strip, this.map));
   }
 
   /** The map anew, as after a change of colours or layers. */
@@ -71,13 +73,18 @@ export class Pane {
 function captionOf(decision, k, moment, episode) {
   if (moment.end) {
     const steps = counted(episode.steps, "step");
-    return `The end: ${episode.ended} after ${steps}, ${distanceText(episode)}.`;
+    return [el("b", {}, "The end"), `: ${endedBy(episode)} after ${steps}, ${distanceText(episode)}.`];
   }
   if (!decision) return "Before the first decision.";
   return [
     el("b", {}, `Decision ${k + 1}`),
     ` at step ${decision.step}, ${decision.phase}: ${intent(decision)}`,
   ];
+}
+
+/** What follows the ending is not of the end. */
+function lastDecision(decision, k) {
+  return el("h2", { class: "between" }, `The last decision, ${k + 1}, at step ${decision.step}`);
 }
 
 function distanceText(episode) {

@@ -23,7 +23,7 @@ function figureOf(view, k, picture, chosen) {
     "figure",
     { class: chosen ? "chosen" : null, title: titleOf(view, k) },
     picture,
-    el("figcaption", {}, caption, el("span", { class: "muted" }, names || "nothing known")),
+    el("figcaption", {}, caption, el("span", { class: "muted" }, names || "nothing detected")),
   );
 }
 

@@ -1,7 +1,8 @@
 // Light or dark: as the system says, until the reader says otherwise.
 
+import { el, fill } from "./dom.js";
+
 const CHOICES = ["auto", "light", "dark"];
-const WORDS = { auto: "Auto", light: "Light", dark: "Dark" };
 const KEY = "toponav-theme";
 
 let choice = "auto";
@@ -37,7 +38,7 @@ function show(button, next) {
   choice = next;
   if (choice === "auto") delete document.documentElement.dataset.theme;
   else document.documentElement.dataset.theme = choice;
-  button.textContent = WORDS[choice];
+  fill(button, el("span", { class: "wide" }, "Theme: "), choice);
 }
 
 function remembered() {
