@@ -12,6 +12,7 @@ from shared_data import shared_data, shared_model
 from toponav.errors import InputError
 from toponav.perception import DetectorContext, PerceptionConfig, make_detector
 from toponav.perception.boxes import Boxes, filled_boxes
+from toponav.perception.config import perception_preset
 
 DEIM = "deimv2_hgnetv2_femto_coco.onnx"
 VOCABULARY = ("bed", "chair", "sofa", "plant", "tv_monitor", "table", "toilet")
@@ -48,3 +49,8 @@ def test_names_of_no_file_and_of_no_detector_are_said(tmp_path: Path) -> None:
         detector(tmp_path / "missing.onnx")
     with pytest.raises(InputError, match="unknown detector"):
         make_detector("onyx:model.onnx", DetectorContext(PerceptionConfig()))
+
+
+def test_who_takes_detections_for_true_asks_for_more() -> None:
+    thresholds = [perception_preset(name).onnx.threshold for name in ("paper", "default")]
+    assert thresholds == [0.5, PerceptionConfig().onnx.threshold]
