@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from toponav.geometry import Pose
-from toponav.mapping.view import OCCUPIED, MapView, OccupancyGrid
+from toponav.mapping.sight_lines import lines_through
+from toponav.mapping.view import OCCUPIED, MapView
 
 HALF_VIEW_RAD = math.radians(30.0)
 """What is this far off the camera's axis has been looked at: within any camera's view."""
@@ -45,19 +46,8 @@ class Looks:
         aside = np.arctan2(place[1] - y, place[0] - x) - yaw
         shown = np.abs((aside + np.pi) % math.tau - np.pi) <= HALF_VIEW_RAD
         shown &= (away <= within_m) & (np.abs(z - view.floor_z) <= SAME_STOREY_M)
+        if not shown.any():
+            return math.inf
         eyes = np.stack([x, y], axis=-1)[shown]
-        return float(away[shown][_in_sight(eyes, place, view.grid)].min(initial=math.inf))
-
-
-def _in_sight(
-    eyes: NDArray[np.float64], place: NDArray[np.float64], grid: OccupancyGrid
-) -> NDArray[np.bool_]:
-    """(N,) from which of (N, 2) positions no obstacle of the grid hides a (2,) place."""
-    longest = np.hypot(*(eyes - place).T).max(initial=0.0)
-    samples = 2 + math.ceil(longest / (0.5 * grid.resolution))
-    share = np.linspace(0.0, 1.0, samples)[:, None, None]
-    index = grid.index_of(place + share * (eyes - place))
-    inside = grid.contains(index)
-    i, j = np.moveaxis(np.where(inside[..., None], index, 0), -1, 0)
-    hidden = inside & (grid.cells[i, j] == OCCUPIED)
-    return np.asarray(~hidden.any(axis=0))
+        hidden = lines_through(view.grid.cells == OCCUPIED, place, eyes, view.grid)
+        return float(away[shown][~hidden].min(initial=math.inf))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 
 import numpy as np
@@ -10,7 +9,8 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from toponav.control.planner import CostField
-from toponav.mapping.view import MapView, OccupancyGrid
+from toponav.mapping.sight_lines import lines_through
+from toponav.mapping.view import MapView
 from toponav.policy.goal import GoalTracker
 from toponav.policy.sight import TargetSight
 
@@ -81,7 +81,7 @@ def vantage_point(
     cells, spots, distance, nearest = cells[close], spots[close], distance[close], nearest[close]
     well_within = distance <= config.stop_distance_m - MARGIN_M
     wall = _walls(target_points, view, eye_height_m)
-    through = _crosses(wall, spots, target_points[nearest], view.grid)
+    through = lines_through(wall, spots, target_points[nearest, :2], view.grid)
     cost = reach.cost[cells[:, 0], cells[:, 1]] + WALL_COST * through
     cost = np.where(well_within, cost, np.inf)
     # The last key is the first criterion: cheapest well within, then nearest beyond.
@@ -144,20 +144,6 @@ def _walls(
         cells = cells[view.grid.contains(cells)]
         walls[cells[:, 0], cells[:, 1]] = is_wall
     return walls
-
-
-def _crosses(
-    walls: NDArray[np.bool_],
-    starts: NDArray[np.float64],
-    ends: NDArray[np.floating],
-    grid: OccupancyGrid,
-) -> NDArray[np.bool_]:
-    """(N,) which of the lines between (N, 2 or 3) positions lead through a marked cell."""
-    line = ends[:, :2] - starts
-    longest = np.hypot(line[:, 0], line[:, 1]).max(initial=0.0)
-    share = np.linspace(0.0, 1.0, 2 + math.ceil(longest / (0.5 * grid.resolution)))[:, None, None]
-    cells = np.clip(grid.index_of(starts + share * line), 0, np.array(walls.shape) - 1)
-    return np.asarray(walls[cells[..., 0], cells[..., 1]].any(axis=0))
 
 
 def _standing(view: MapView, reach: CostField) -> NDArray[np.int64]:
