@@ -354,7 +354,7 @@ class Navigator:
         if not self._goal.accepted:
             spot = self._further_side(observation, view)
             if spot is not None:
-                self._goal.look_again()
+                self._goal.look_again(spot)
                 self._looking_again, self._look_steps = True, 0
                 self._waypoint = spot
                 self._locomotion.go_to(spot)

@@ -13,7 +13,7 @@ from toponav.control.planner import CostField, Planner, PlannerConfig
 from toponav.control.vantage import LOOK_M, MARGIN_M, further_look, vantage_point
 from toponav.geometry import Pose
 from toponav.mapping.view import FREE, OCCUPIED, MapView, OccupancyGrid, PointCloud
-from toponav.policy.evidence import EvidenceConfig
+from toponav.policy.candidate import EvidenceConfig
 from toponav.policy.goal import GoalConfig, GoalTracker
 
 EYE_M = 0.88

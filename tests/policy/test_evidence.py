@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ball_frames import Ball, frame, said
-from toponav.policy.evidence import EvidenceConfig, Look, TargetEvidence
+from toponav.policy.candidate import EvidenceConfig, Look
+from toponav.policy.evidence import TargetEvidence
 
 CONFIG = EvidenceConfig()
 BALL = Ball(0.0, 0.0)
@@ -19,8 +20,8 @@ EAST, NORTH_EAST, NORTH, WEST = (1.8, 0.0), (1.3, 1.3), (0.0, 1.8), (-1.8, 0.0)
 
 
 def watched(*frames: tuple[tuple[float, float], str | None, float]) -> TargetEvidence:
-    """The evidence on a sofa after a ball was seen from these places and taken for these."""
-    evidence = TargetEvidence(CONFIG, "sofa")
+    """The evidence on a plant after a ball was seen from these places and taken for these."""
+    evidence = TargetEvidence(CONFIG, "plant")
     for eye, label, score in frames:
         observation, [mask] = frame([BALL], *eye)
         evidence.observe(observation, said((label, score, mask)) if label else said())
@@ -37,33 +38,33 @@ def test_what_was_never_detected_is_no_candidate() -> None:
 
 
 def test_a_first_sighting_is_a_lead_and_no_more() -> None:
-    evidence = watched((EAST, "sofa", 0.62))
+    evidence = watched((EAST, "plant", 0.62))
     assert evidence.leads(ORIGIN) == list(evidence.candidates)
     assert CONFIG.lead < odds(evidence) < CONFIG.accept
 
 
 def test_many_frames_from_one_side_say_little_more_than_a_few() -> None:
-    few, many = (odds(watched(*[(EAST, "sofa", 0.55)] * n)) for n in (4, 40))
+    few, many = (odds(watched(*[(EAST, "plant", 0.55)] * n)) for n in (4, 40))
     assert few < many < few * 1.25
     assert many < CONFIG.accept
 
 
 def test_another_side_says_as_much_again() -> None:
-    one = odds(watched(*[(EAST, "sofa", 0.62)] * 5))
-    two = odds(watched(*[(EAST, "sofa", 0.62)] * 5, *[(NORTH, "sofa", 0.62)] * 5))
+    one = odds(watched(*[(EAST, "plant", 0.62)] * 5))
+    two = odds(watched(*[(EAST, "plant", 0.62)] * 5, *[(NORTH, "plant", 0.62)] * 5))
     assert two == pytest.approx(2.0 * one)
     assert two > CONFIG.accept
 
 
 def test_surer_detections_say_more_and_far_ones_less() -> None:
-    unsure, sure = (odds(watched(*[(EAST, "sofa", s)] * 3)) for s in (0.42, 0.62))
+    unsure, sure = (odds(watched(*[(EAST, "plant", s)] * 3)) for s in (0.42, 0.62))
     assert unsure < sure
-    far = odds(watched(*[((4.5, 0.0), "sofa", 0.62)] * 3))
+    far = odds(watched(*[((4.5, 0.0), "plant", 0.62)] * 3))
     assert far == pytest.approx(CONFIG.far_weight * sure)
 
 
 def test_being_missed_and_being_called_something_else_speak_against() -> None:
-    seen = [(EAST, "sofa", 0.55)] * 3
+    seen = [(EAST, "plant", 0.55)] * 3
     plain = odds(watched(*seen))
     missed = odds(watched(*seen, *[(NORTH_EAST, None, 0.0)] * 3))
     other = odds(watched(*seen, *[(NORTH_EAST, "chair", 0.9)] * 3))
@@ -72,7 +73,7 @@ def test_being_missed_and_being_called_something_else_speak_against() -> None:
 
 
 def test_what_is_hidden_is_not_missed() -> None:
-    evidence = watched(*[(EAST, "sofa", 0.62)] * 3)
+    evidence = watched(*[(EAST, "plant", 0.62)] * 3)
     before = odds(evidence)
     for _ in range(5):
         observation, _ = frame([BALL, Ball(-0.9, 0.0, 0.5)], -2.5, 0.0)
@@ -84,64 +85,64 @@ def test_what_is_hidden_is_not_missed() -> None:
 
 def test_a_mask_that_bleeds_onto_another_object_is_cut_where_they_part() -> None:
     other = Ball(0.2, -0.75, 0.12)
-    evidence = TargetEvidence(CONFIG, "sofa")
+    evidence = TargetEvidence(CONFIG, "plant")
     observation, [mask, bled] = frame([BALL, other], *EAST)
     assert bled.any()
-    evidence.observe(observation, said(("sofa", 0.7, mask | bled)))
+    evidence.observe(observation, said(("plant", 0.7, mask | bled)))
     [candidate] = evidence.candidates
     assert np.hypot(*(candidate.points[:, :2]).T).max() <= BALL.radius + 0.05
 
 
 def test_points_that_later_masks_leave_out_are_dropped() -> None:
     neighbour = Ball(0.05, -0.5, 0.22)
-    evidence = TargetEvidence(CONFIG, "sofa")
+    evidence = TargetEvidence(CONFIG, "plant")
     observation, [mask, bled] = frame([BALL, neighbour], *EAST)
-    evidence.observe(observation, said(("sofa", 0.7, mask | bled)))
+    evidence.observe(observation, said(("plant", 0.7, mask | bled)))
     [candidate] = evidence.candidates
     behind = candidate.own_points(CONFIG)[:, 1] < -0.32
     assert behind.any()
     for _ in range(4):
-        evidence.observe(observation, said(("sofa", 0.7, mask)))
+        evidence.observe(observation, said(("plant", 0.7, mask)))
     assert not (candidate.own_points(CONFIG)[:, 1] < -0.32).any()
 
 
 def test_two_things_are_two_candidates_and_the_likelier_leads() -> None:
     balls = [Ball(0.0, -1.0), Ball(0.0, 1.0)]
-    evidence = TargetEvidence(CONFIG, "sofa")
+    evidence = TargetEvidence(CONFIG, "plant")
     for _ in range(3):
         observation, [left, right] = frame(balls, 2.6, 0.0)
-        evidence.observe(observation, said(("sofa", 0.5, left), ("sofa", 0.7, right)))
+        evidence.observe(observation, said(("plant", 0.5, left), ("plant", 0.7, right)))
     assert [round(float(c.center[1])) for c in evidence.leads(ORIGIN)] == [1, -1]
 
 
 def test_of_two_that_are_as_likely_the_nearer_leads() -> None:
     balls = [Ball(0.0, -1.0), Ball(0.0, 1.0)]
-    evidence = TargetEvidence(CONFIG, "sofa")
+    evidence = TargetEvidence(CONFIG, "plant")
     observation, masks = frame(balls, 2.6, 0.0)
-    evidence.observe(observation, said(*(("sofa", 0.7, mask) for mask in masks)))
+    evidence.observe(observation, said(*(("plant", 0.7, mask) for mask in masks)))
     for y in (-1, 1):
         assert round(float(evidence.leads(np.array([0.0, 3.0 * y]))[0].center[1])) == y
 
 
 def test_verdicts_hold_until_much_speaks_against_them() -> None:
-    evidence = watched(*[(EAST, "sofa", 0.5)] * 3)
+    evidence = watched(*[(EAST, "plant", 0.5)] * 3)
     [candidate] = evidence.candidates
     evidence.accept(candidate)
     assert odds(evidence) == pytest.approx(CONFIG.accept)
-    evidence = watched(*[(EAST, "sofa", 0.5)] * 3)
+    evidence = watched(*[(EAST, "plant", 0.5)] * 3)
     [candidate] = evidence.candidates
     evidence.reject(candidate)
     assert evidence.leads(ORIGIN) == []
     for eye in (NORTH, WEST):
         for _ in range(5):
             observation, [mask] = frame([BALL], *eye)
-            evidence.observe(observation, said(("sofa", 0.75, mask)))
+            evidence.observe(observation, said(("plant", 0.75, mask)))
     assert evidence.leads(ORIGIN) == [candidate]
 
 
 @given(st.floats(-math.pi, math.pi), st.floats(0.5, 5.0))
 def test_sides_go_round_a_candidate(bearing: float, distance: float) -> None:
-    evidence = watched((EAST, "sofa", 0.7))
+    evidence = watched((EAST, "plant", 0.7))
     [candidate] = evidence.candidates
     step = np.array([math.cos(bearing), math.sin(bearing)])
     side = evidence.side_of(candidate, candidate.center[:2] + distance * step)

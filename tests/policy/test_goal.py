@@ -9,7 +9,7 @@ from policy_maps import block, make_view
 from ball_frames import Ball, frame, said
 from toponav.geometry import Pose
 from toponav.mapping.view import MapView
-from toponav.policy.evidence import EvidenceConfig
+from toponav.policy.candidate import EvidenceConfig
 from toponav.policy.goal import GoalConfig, GoalTracker
 from toponav.policy.sight import SightConfig, TargetSight
 
@@ -164,41 +164,41 @@ def test_with_a_detector_pointing_changes_nothing() -> None:
 
 
 def doubted(frames: int) -> GoalTracker:
-    """A ball was once taken for a sofa, and then for nothing in so many frames from each side."""
+    """A ball was once taken for a plant, and then for nothing in so many frames from each side."""
     tracker = GoalTracker(GoalConfig(evidence=EvidenceConfig()))
     for eye in ((1.8, 0.0), (0.0, 1.8), (-1.8, 0.0)):
         observation, [mask] = frame([Ball(0.0, 0.0)], *eye)
-        tracker.observe(observation, said(("sofa", 0.5, mask)), "sofa")
+        tracker.observe(observation, said(("plant", 0.5, mask)), "plant")
         for _ in range(frames):
-            tracker.observe(observation, said(), "sofa")
+            tracker.observe(observation, said(), "plant")
     return tracker
 
 
 def test_the_last_resort_is_the_likeliest_candidate_whatever_is_said_of_it_later() -> None:
     view, tracker = make_view(scene=FLOOR), doubted(frames=3)
-    assert not tracker.is_mapped(view, "sofa")
+    assert not tracker.is_mapped(view, "plant")
     assert tracker.settle(view)
-    assert tracker.is_mapped(view, "sofa")
+    assert tracker.is_mapped(view, "plant")
     assert tracker.accepted
     observation, _ = frame([Ball(0.0, 0.0)], 1.3, 1.3)
     for _ in range(20):
-        tracker.observe(observation, said(), "sofa")
-    assert tracker.is_mapped(view, "sofa")
+        tracker.observe(observation, said(), "plant")
+    assert tracker.is_mapped(view, "plant")
     assert tracker.accepted
     assert not tracker.settle(view)  # a verdict is given once
 
 
 def test_the_last_resort_may_be_what_was_turned_away_from() -> None:
     view, tracker = make_view(scene=FLOOR), doubted(frames=1)
-    assert tracker.is_mapped(view, "sofa")  # it is gone to
+    assert tracker.is_mapped(view, "plant")  # it is gone to
     assert not tracker.judge()
     observation, [mask] = frame([Ball(0.0, 9.0)], 1.8, 9.0)
-    tracker.observe(observation, said(("sofa", 0.5, mask)), "sofa")
+    tracker.observe(observation, said(("plant", 0.5, mask)), "plant")
     for _ in range(9):
-        tracker.observe(observation, said(), "sofa")
-    assert not tracker.is_mapped(view, "sofa")
+        tracker.observe(observation, said(), "plant")
+    assert not tracker.is_mapped(view, "plant")
     assert tracker.settle(view)
-    assert np.abs(tracker.points(view, "sofa")[:, 1]).max() < 1.0
+    assert np.abs(tracker.points(view, "plant")[:, 1]).max() < 1.0
 
 
 def test_what_much_speaks_against_is_no_last_resort() -> None:

@@ -20,7 +20,8 @@ from toponav.memory.builder import MemoryBuilder
 from toponav.memory.graph import TopologicalMemory
 from toponav.perception.base import Detector
 from toponav.perception.object_masks import object_masks
-from toponav.policy.evidence import EvidenceConfig, TargetEvidence
+from toponav.policy.candidate import EvidenceConfig
+from toponav.policy.evidence import TargetEvidence
 from toponav.types import Detections, Observation
 
 NODE_SPACING_M = 2.0

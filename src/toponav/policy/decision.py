@@ -13,7 +13,7 @@ from toponav.mapping.view import MapView
 from toponav.memory.graph import TopologicalMemory
 from toponav.memory.snapshot import MemorySnapshot
 from toponav.policy.affordances import Affordances, Phase
-from toponav.policy.evidence import CandidateView
+from toponav.policy.candidate_view import CandidateView
 from toponav.reasoning.base import PanoramaView
 from toponav.reasoning.schema import Guidance
 

@@ -9,225 +9,18 @@ view counts against it, and a stop needs more than one side can say unless that 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
 from scipy.ndimage import binary_erosion
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from toponav.config_model import ConfigModel
 from toponav.geometry import back_project
+from toponav.policy.candidate import SETTLED, Candidate, EvidenceConfig, Look
+from toponav.policy.plausibility import implausibilities
 from toponav.types import Detections, Observation
-
-Positive = Annotated[float, Field(gt=0.0)]
-
-SETTLED = 100.0
-"""Log-odds that no evidence outweighs."""
-
-
-class EvidenceConfig(ConfigModel):
-    """What sightings weigh, in log-odds, and what is asked of a target."""
-
-    prior: float = 0.0
-    """Of something that was detected once, before that detection's score is known."""
-
-    hit: float = 1.2
-    """A side from which it is always detected, with a neutral score."""
-
-    score_slope: float = 8.0
-    """More for each 1 that the mean score exceeds the neutral one: right detections score about
-    0.2 above wrong ones (docs/noise.md)."""
-
-    neutral_score: float = 0.5
-    """Score that speaks neither for nor against."""
-
-    most_per_side: float = 2.5
-    """No side says more than this, for or against."""
-
-    miss: float = -0.8
-    """A side from which it is plainly in view and never detected as anything."""
-
-    other: float = -2.0
-    """A side from which it is always detected as something else."""
-
-    other_overlap: Annotated[float, Field(gt=0.0, le=1.0)] = 0.5
-    """Share of its points that a detection of something else must cover to count."""
-
-    steadiness: Annotated[float, Field(ge=0.0)] = 1.0
-    """Frames from one side that make its word count half of what many frames would."""
-
-    far_weight: Annotated[float, Field(ge=0.0, le=1.0)] = 0.5
-    """What a look from beyond `near_m` counts, against one from nearer by."""
-
-    near_m: Positive = 2.5
-    """A look from this near is a good one, metres."""
-
-    lead: float = -0.4
-    """From here on a candidate is worth going to."""
-
-    accept: float = 2.0
-    """From here on it is the target."""
-
-    probable: float = 0.5
-    """Enough where no further side can be looked at."""
-
-    last_resort: float = -3.5
-    """Enough where nothing is left to explore: a detector that misses an object in most frames
-    never says enough for it, and who stops nowhere has found nothing."""
-
-    rejection: float = -3.0
-    """Added when all looks are spent: only much new evidence reopens the case."""
-
-    looks: Annotated[int, Field(ge=0)] = 3
-    """Further sides that are looked at before the verdict."""
-
-    sides: Annotated[int, Field(ge=1)] = 8
-    """Directions of view round a candidate that count as different."""
-
-    voxel_m: Positive = 0.05
-    """Points of a candidate are this far apart."""
-
-    gap_m: Positive = 0.12
-    """Points this near belong to one object."""
-
-    overlap: Annotated[float, Field(gt=0.0, le=1.0)] = 0.2
-    """Share of a detection's points that must lie on a candidate to be one more sighting of it."""
-
-    visible_share: Annotated[float, Field(gt=0.0, le=1.0)] = 0.4
-    """Share of a candidate's points that must be in view for a look at it."""
-
-    kept_share: Annotated[float, Field(ge=0.0, le=1.0)] = 0.4
-    """A point that fewer of the masks cover, where it is in view, bled into it."""
-
-    depth_tolerance_m: Positive = 0.15
-    """A point is in view where the image is as deep as it is far, so exactly."""
-
-
-@dataclass
-class Look:
-    """All frames from one side and range.
-
-    Attributes:
-        frames: In which the candidate was plainly in view.
-        hits: In which it was detected.
-        others: In which something else was detected there, and not the target.
-        score: Sum of the detections' scores.
-        weight: What the look counts.
-    """
-
-    weight: float
-    frames: int = 0
-    hits: int = 0
-    others: int = 0
-    score: float = 0.0
-
-    def log_odds(self, config: EvidenceConfig) -> float:
-        """What it says."""
-        mean_score = self.score / self.hits if self.hits else 0.0
-        found = config.hit + config.score_slope * (mean_score - config.neutral_score)
-        missed = self.frames - self.hits - self.others
-        said = self.hits * found + self.others * config.other + missed * config.miss
-        mean = min(max(said / self.frames, -config.most_per_side), config.most_per_side)
-        return self.weight * mean * self.frames / (self.frames + config.steadiness)
-
-
-@dataclass(eq=False)
-class Candidate:
-    """One thing that may be the target.
-
-    Attributes:
-        points: (N, 3) where it is, world frame, metres.
-        seen: (N,) in how many frames each point was in view while the candidate was detected.
-        hit: (N,) in how many of them it was in a mask of the target.
-        looks: By side and range.
-        verdict: Log-odds of earlier verdicts on it.
-        returns: How often it was looked at again before a verdict.
-        lost: Points that have gone since.
-    """
-
-    points: NDArray[np.float64]
-    seen: NDArray[np.int64]
-    hit: NDArray[np.int64]
-    looks: dict[tuple[int, bool], Look] = field(default_factory=dict)
-    verdict: float = 0.0
-    returns: int = 0
-    lost: int = 0
-
-    def keep(self, rows: NDArray[np.bool_]) -> None:
-        """Keep some of its points."""
-        self.points, self.seen, self.hit = self.points[rows], self.seen[rows], self.hit[rows]
-
-    @property
-    def center(self) -> NDArray[np.float64]:
-        """(3,) the middle of its points."""
-        middle: NDArray[np.float64] = self.points.mean(axis=0)
-        return middle
-
-    def distance_from(self, here: NDArray[np.float64]) -> float:
-        """From (2 or 3,) here to the nearest of its points, horizontally, metres."""
-        return float(np.hypot(*(self.points[:, :2] - here[:2]).T).min())
-
-    def seen_odds(self, config: EvidenceConfig) -> float:
-        """What all looks at it say, whatever was made of that."""
-        return config.prior + sum(look.log_odds(config) for look in self.looks.values())
-
-    def log_odds(self, config: EvidenceConfig) -> float:
-        """All that speaks for and against it, earlier verdicts too."""
-        return self.seen_odds(config) + self.verdict
-
-    def own_points(self, config: EvidenceConfig) -> NDArray[np.float64]:
-        """(M, 3) the points that masks agree on."""
-        kept: NDArray[np.float64] = self.points[self.hit >= config.kept_share * self.seen]
-        return kept
-
-
-@dataclass(frozen=True)
-class SideView:
-    """What one side says of a candidate, for those who watch.
-
-    Attributes:
-        side: Direction of view round the candidate, 0-based, counter-clockwise from -x.
-        near: Whether it was seen from nearby.
-        frames: In which it was plainly in view.
-        hits: In which it was detected.
-        others: In which something else was detected there.
-        log_odds: What that says.
-    """
-
-    side: int
-    near: bool
-    frames: int
-    hits: int
-    others: int
-    log_odds: float
-
-
-@dataclass(frozen=True)
-class CandidateView:
-    """One candidate at a decision, for those who watch.
-
-    Attributes:
-        low: Lower corner (x, y, z) of its points, world frame, metres.
-        high: Upper corner.
-        log_odds: All that speaks for and against it.
-        verdict: What of that earlier verdicts say.
-        returns: How often it was looked at again.
-        chosen: Whether it is gone to.
-        sides: What each side and range says.
-    """
-
-    low: tuple[float, float, float]
-    high: tuple[float, float, float]
-    log_odds: float
-    verdict: float
-    returns: int
-    chosen: bool
-    sides: tuple[SideView, ...]
 
 
 class TargetEvidence:
@@ -261,7 +54,7 @@ class TargetEvidence:
             everything = np.asarray(points, np.float64)
             piece = _pieces(everything, self._config.gap_m)
             for number in range(piece.max() + 1):
-                self._candidates.append(_fresh(everything[piece == number]))
+                self._candidates.append(Candidate.of(everything[piece == number]))
 
     def forget(self, gone: NDArray[np.floating]) -> None:
         """Take what has gone, (N, 3), out of the candidates, and those of which little is left."""
@@ -292,9 +85,16 @@ class TargetEvidence:
         candidate.verdict += self._config.rejection
         candidate.returns = 0
 
-    def near_sides(self, candidate: Candidate) -> frozenset[int]:
-        """The sides from which it has been looked at from nearby."""
-        return frozenset(side for side, near in candidate.looks if near)
+    def looked_from(self, candidate: Candidate, eye: NDArray[np.float64]) -> bool:
+        """Whether it has been looked at, or was to be, from the direction of a (2,) or (3,) eye."""
+        if not candidate.eyes:
+            return False
+        center = candidate.center[:2]
+        offset = np.array(candidate.eyes) - center
+        bearings = np.arctan2(offset[:, 1], offset[:, 0])
+        bearing = math.atan2(eye[1] - center[1], eye[0] - center[0])
+        apart = np.abs((bearings - bearing + math.pi) % math.tau - math.pi)
+        return bool(apart.min() < math.radians(self._config.new_side_deg))
 
     def observe(self, observation: Observation, detections: Detections) -> None:
         """Take the evidence of one frame."""
@@ -321,14 +121,14 @@ class TargetEvidence:
             if float((distance <= self._config.gap_m).mean()) >= self._config.overlap:
                 own.append(candidate)
         if not own:
-            self._candidates.append(_fresh(points))
+            self._candidates.append(Candidate.of(points))
             return
         first = own[0]
         for other in own[1:]:
-            _join(first, other)
+            first.join(other)
             self._candidates.remove(other)
         distance, _ = cKDTree(first.points).query(points)
-        _join(first, _fresh(points[distance > self._config.voxel_m]))
+        first.join(Candidate.of(points[distance > self._config.voxel_m]))
 
     def _object_points(
         self, observation: Observation, mask: NDArray[np.bool_]
@@ -368,6 +168,14 @@ class TargetEvidence:
         eye = observation.world_from_camera.translation
         near = bool(np.hypot(*(candidate.center - eye)[:2]) <= self._config.near_m)
         weight = 1.0 if near else self._config.far_weight
+        if near:
+            candidate.implausible = implausibilities(
+                candidate.own_points(self._config),
+                float(observation.world_from_base.translation[2]),
+                self._target,
+                all_round=candidate.near_sides() > 1,
+            )
+            candidate.note_eye(eye)
         look = candidate.looks.setdefault((self.side_of(candidate, eye), near), Look(weight))
         look.frames += 1
         if hits.any():
@@ -401,49 +209,9 @@ def _pieces(points: NDArray[np.float64], gap_m: float) -> NDArray[np.int64]:
     return np.asarray(piece, np.int64)
 
 
-def view_of(candidate: Candidate, config: EvidenceConfig, *, chosen: bool) -> CandidateView:
-    """What there is to show of a candidate."""
-    points = candidate.own_points(config)
-    points = points if len(points) else candidate.points
-    low, high = points.min(axis=0).tolist(), points.max(axis=0).tolist()
-    return CandidateView(
-        low=tuple(low),
-        high=tuple(high),
-        log_odds=candidate.log_odds(config),
-        verdict=candidate.verdict,
-        returns=candidate.returns,
-        chosen=chosen,
-        sides=tuple(
-            SideView(side, near, look.frames, look.hits, look.others, look.log_odds(config))
-            for (side, near), look in sorted(candidate.looks.items())
-        ),
-    )
-
-
 def _chance(log_odds: float) -> float:
     """The probability that log-odds stand for."""
     return 1.0 / (1.0 + math.exp(-log_odds))
-
-
-def _fresh(points: NDArray[np.float64]) -> Candidate:
-    """A candidate that no look has been taken at."""
-    none = np.zeros(len(points), np.int64)
-    return Candidate(points, none, none.copy())
-
-
-def _join(first: Candidate, other: Candidate) -> None:
-    """Add the points and looks of another candidate to the first."""
-    first.points = np.concatenate([first.points, other.points])
-    first.seen = np.concatenate([first.seen, other.seen])
-    first.hit = np.concatenate([first.hit, other.hit])
-    first.verdict = min(first.verdict, other.verdict)
-    first.returns = max(first.returns, other.returns)
-    for key, look in other.looks.items():
-        mine = first.looks.setdefault(key, Look(look.weight))
-        mine.frames += look.frames
-        mine.hits += look.hits
-        mine.others += look.others
-        mine.score += look.score
 
 
 def _thinned(points: NDArray[np.float64], voxel_m: float) -> NDArray[np.float64]:

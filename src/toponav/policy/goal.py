@@ -14,14 +14,9 @@ from scipy.spatial import cKDTree
 from toponav.config_model import ConfigModel
 from toponav.geometry import Pose
 from toponav.mapping.view import MapView, PointCloud
-from toponav.policy.evidence import (
-    SETTLED,
-    Candidate,
-    CandidateView,
-    EvidenceConfig,
-    TargetEvidence,
-    view_of,
-)
+from toponav.policy.candidate import SETTLED, Candidate, EvidenceConfig
+from toponav.policy.candidate_view import CandidateView, view_of
+from toponav.policy.evidence import TargetEvidence
 from toponav.policy.glimpses import Glimpse, GlimpseConfig, Glimpses
 from toponav.policy.sight import Metres, SightConfig, TargetSight
 from toponav.types import Detections, Observation
@@ -150,16 +145,17 @@ class GoalTracker:
         config, chosen = self.config.evidence, self._chosen
         return config is not None and chosen is not None and chosen.returns < config.looks
 
-    def look_again(self) -> None:
-        """Note that what is gone to is looked at once more."""
+    def look_again(self, spot: NDArray[np.float64]) -> None:
+        """Note that what is gone to is looked at once more, from a (2 or 3,) spot."""
         if self._chosen is not None:
             self._chosen.returns += 1
+            self._chosen.note_eye(spot)
 
     def looked_from(self, eye: NDArray[np.float64]) -> bool:
-        """Whether what is gone to has been looked at from nearby and from the side of an eye."""
+        """Whether what is gone to has been looked at from nearby and the direction of an eye."""
         if self._evidence is None or self._chosen is None:
             return True
-        return self._evidence.side_of(self._chosen, eye) in self._evidence.near_sides(self._chosen)
+        return self._evidence.looked_from(self._chosen, eye)
 
     def judge(self) -> bool:
         """The verdict where no further side can be looked at: whether it is the target."""
