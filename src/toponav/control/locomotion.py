@@ -117,7 +117,9 @@ class Locomotion:
             return None
         action = None
         circles = self._monitor.circles(observation.world_from_base)
-        if not (self._monitor.stalled(xy, field) or circles):
+        if self._monitor.stalled(xy, field) or circles:
+            self._bumps.give_up(xy)
+        else:
             barred = self._bumps.barring(xy, grid)
             action = self._follower.next_action(observation.world_from_base, field, barred)
         if action is None:

@@ -43,6 +43,10 @@ class RecoveryConfig(ConfigModel):
     bumps_to_block: int = Field(default=3, ge=1)
     """Bumps within `bump_radius_m` of each other after which explained ones block, too."""
 
+    given_up_m: float = Field(default=0.6, ge=0.0)
+    """Where a walk is given up, explained bumps within this distance, metres, block from then on:
+    the gap is wide enough on the map, but not for steps and turns of the agent's size."""
+
     body_m: float = Field(default=0.15, ge=0.0)
     """Within this distance of where the agent has stood there is no obstacle that no image shows,
     metres: a little less than its radius."""
@@ -70,7 +74,8 @@ STOOD_APART_M = 0.1
 class BumpMemory:
     """Remembers where forward steps were cut short.
 
-    A bump beside a mapped obstacle is a graze and only bars its heading. One that nothing on the
+    A bump beside a mapped obstacle is a graze and only bars its heading, until a walk is given up
+    there. One that nothing on the
     map explains means an obstacle that no image shows: it is put on the map where it was felt, and
     forgotten once the map shows something there, or the agent passes. What it came through it can
     go back through: it only has to aim better.
@@ -80,6 +85,7 @@ class BumpMemory:
         """Start without bumps."""
         self._config = config
         self._bumps = np.zeros((0, 3))
+        self._forced = np.zeros(0, np.bool_)
         self._stood: dict[tuple[int, int], tuple[float, float]] = {}
 
     def stand(self, xy: ArrayLike) -> None:
@@ -91,6 +97,12 @@ class BumpMemory:
         """A forward step ended here, blocked."""
         bump = (*world_from_base.translation[:2], world_from_base.yaw)
         self._bumps = np.vstack([self._bumps, bump])
+        self._forced = np.append(self._forced, False)
+
+    def give_up(self, xy: ArrayLike) -> None:
+        """A walk got no farther than (2,) xy: do not lead the next one through the same gap."""
+        distance = np.linalg.norm(self._bumps[:, :2] - np.asarray(xy, dtype=np.float64), axis=1)
+        self._forced |= distance <= self._config.given_up_m
 
     def barring(self, xy: ArrayLike, grid: OccupancyGrid) -> HeadingBarred:
         """Tells the headings at which a forward step from (2,) xy would be blocked again."""
@@ -111,7 +123,7 @@ class BumpMemory:
         xy = self._bumps[:, :2]
         apart = np.linalg.norm(xy[:, None] - xy[None], axis=-1)
         repeated = (apart <= self._config.bump_radius_m).sum(axis=1) >= self._config.bumps_to_block
-        felt = repeated | ~self._explained(grid)
+        felt = repeated | self._forced | ~self._explained(grid)
         contact: NDArray[np.float64] = (xy + self._config.contact_m * self._ahead)[felt]
         if not len(contact) or not self._stood:
             return contact
