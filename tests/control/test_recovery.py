@@ -73,6 +73,18 @@ def test_a_graze_of_a_mapped_obstacle_bars_its_heading_near_its_place(
     assert bumps.obstacles(grid_with(AHEAD)).shape == (0, 2)
 
 
+def test_where_a_walk_was_given_up_a_graze_blocks() -> None:
+    bumps = BumpMemory(CONFIG)
+    bumps.add(pose())
+    bumps.add(pose(1.5, 1.5))
+    grid = grid_with(AHEAD, (1.75, 1.55))
+    assert bumps.obstacles(grid).shape == (0, 2)
+    bumps.give_up((0.3, 0.1))
+    np.testing.assert_allclose(bumps.obstacles(grid), [[CONFIG.contact_m, 0.0]])
+    bumps.stand((CONFIG.contact_m, 0.0))  # it came through all the same
+    assert bumps.obstacles(grid).shape == (0, 2)
+
+
 @pytest.mark.parametrize(
     ("xy", "heading_deg", "barred"),
     [

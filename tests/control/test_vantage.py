@@ -157,6 +157,22 @@ def test_another_look_is_taken_from_a_side_not_looked_from_yet() -> None:
     assert not tracker.looked_from(spot)
     gap = horizontal_gap(spot, tracker.points(view, "chair"))
     assert LOOK_M[0] <= gap <= LOOK_M[1]
+    earlier, now = (np.arctan2(eye[1] - 1.5, eye[0] - 2.5) for eye in (looked_from, spot))
+    apart = np.abs((now - earlier + np.pi) % (2.0 * np.pi) - np.pi)
+    assert apart >= np.radians(EvidenceConfig().new_side_deg - 10.0)  # the ball's middle is unseen
+
+
+def test_a_look_that_showed_nothing_is_not_taken_again() -> None:
+    ball, tracker = Ball(2.5, 1.5), GoalTracker(GoalConfig(evidence=EvidenceConfig()))
+    observation, [mask] = frame([ball], 0.9, 1.5, at=(2.5, 1.5))
+    tracker.observe(observation, said(("chair", 0.5, mask)), "chair")
+    view, reach = room(block((2.3, 1.3, 0.5), (2.7, 1.7, 1.0)))
+    assert tracker.is_mapped(view, "chair")
+    spots = []
+    while (spot := further_look(tracker, "chair", view, reach, EYE_M)) is not None:
+        tracker.look_again(spot)
+        spots.append(spot)
+    assert 1 < len(spots) <= 360.0 / EvidenceConfig().new_side_deg
 
 
 def test_without_evidence_there_is_nothing_to_look_at_again() -> None:

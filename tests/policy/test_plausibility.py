@@ -1,0 +1,64 @@
+"""Shapes that cannot be what a detector says."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from toponav.policy.plausibility import MIN_POINTS, implausibilities
+
+FLOOR_Z = 2.8
+"""Of the storey that the thing is on."""
+
+
+def block(x_m: float, y_m: float, low_m: float, high_m: float) -> np.ndarray:
+    """Points 5 cm apart of a block, its lower end so high above the floor."""
+    axes = [np.arange(0.0, max(side, 0.01), 0.05) for side in (x_m, y_m, high_m - low_m)]
+    points = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 3)
+    return points + (4.0, -1.0, FLOOR_Z + low_m)
+
+
+def ways(points: np.ndarray, category: str, *, all_round: bool = True) -> int:
+    return implausibilities(points, FLOOR_Z, category, all_round=all_round)
+
+
+@pytest.mark.parametrize(
+    ("category", "thing"),
+    [
+        ("sofa", block(1.8, 0.8, 0.1, 0.8)),
+        ("chair", block(0.45, 0.45, 0.0, 0.9)),
+        ("bed", block(1.6, 2.0, 0.45, 0.5)),  # no more than the mattress is seen
+        ("toilet", block(0.4, 0.6, 0.0, 0.75)),
+        ("tv_monitor", block(1.1, 0.0, 1.2, 1.8)),
+        ("plant", block(0.3, 0.3, 1.5, 2.0)),
+        ("picture", block(0.6, 0.0, 1.4, 1.8)),
+    ],
+)
+def test_things_as_they_stand_in_homes_are_plausible(category: str, thing: np.ndarray) -> None:
+    assert ways(thing, category) == 0
+
+
+@pytest.mark.parametrize(
+    ("category", "thing"),
+    [
+        ("sofa", block(0.3, 0.3, 0.1, 0.5)),  # too small
+        ("plant", block(0.7, 0.0, 1.3, 1.9)),  # a poster of one
+        ("toilet", block(0.4, 0.4, 1.4, 1.9)),  # too high up
+    ],
+)
+def test_one_thing_is_wrong_with_it(category: str, thing: np.ndarray) -> None:
+    assert ways(thing, category) == 1
+
+
+def test_several_things_may_be_wrong() -> None:
+    assert ways(block(0.2, 0.0, 2.0, 2.2), "sofa") == 3
+
+
+def test_from_one_side_the_back_of_a_chair_is_as_flat_as_a_picture() -> None:
+    back = block(0.0, 0.45, 0.1, 0.9)
+    assert ways(back, "chair", all_round=False) == 0
+    assert ways(back, "chair") == 1
+
+
+def test_of_a_few_points_nothing_is_said() -> None:
+    assert ways(block(0.3, 0.3, 2.0, 2.2)[: MIN_POINTS - 1], "sofa") == 0
