@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import find_objects, label
 
-from toponav.mapping.view import UNKNOWN, OccupancyGrid
+from toponav.mapping.view import DROP, UNKNOWN, OccupancyGrid
 
 LOW_M = 1.2
 """Treads this near to the floor's height tell where a flight leads: it may turn further up."""
@@ -27,7 +27,9 @@ SLOPES = (0.3, 1.5)
 
 
 def landings(grid: OccupancyGrid, landing_m: float) -> NDArray[np.bool_]:
-    """(N_x, N_y) unknown cells that lie before the last treads of a flight.
+    """(N_x, N_y) cells that lie before the last treads of a flight, and of which nothing was seen.
+
+    What looks like a drop there is as likely the treads that are hidden below the last known one.
 
     Args:
         grid: Known space, with the heights of its stairs.
@@ -48,7 +50,8 @@ def landings(grid: OccupancyGrid, landing_m: float) -> NDArray[np.bool_]:
         treads = np.argwhere(flights[window] == number)
         heights = height[window][tuple(treads.T)].astype(np.float64)
         if len(treads) >= LEAST_TREADS and heights.min() <= NEAR_FLOOR_M:
-            cells = np.argwhere(grid.cells[window] == UNKNOWN)
+            unseen = (grid.cells[window] == UNKNOWN) | (grid.cells[window] == DROP)
+            cells = np.argwhere(unseen)
             before = cells[_before(cells, treads, heights, grid.resolution, landing_m)]
             guessed[window][tuple(before.T)] = True
     return guessed
