@@ -17,6 +17,9 @@ WALL_CHECK_M = 0.5
 STEPS_UP_M = (0.1, 0.18, 0.26, 0.34, 0.42)
 """How far above the last treads of a flight the next floor may be."""
 
+RISER_M = 0.2
+"""The lowest tread is no higher over the floor that a flight leads down to."""
+
 FLIGHT_M = 4.0
 """A flight is no longer than this, in plan."""
 
@@ -28,7 +31,7 @@ def level_area_m2(points: NDArray[np.float32], z: float, column_m: float) -> flo
     """Area of level ground at a height, square metres; walls do not count.
 
     Args:
-        points: (N, 3) what one frame shows.
+        points: (N, 3) what a frame shows, or the map.
         z: Height, metres.
         column_m: Edge of the columns that are counted.
     """
@@ -39,21 +42,36 @@ def level_area_m2(points: NDArray[np.float32], z: float, column_m: float) -> flo
     return len(np.setdiff1d(level, rising)) * column_m**2
 
 
+def points_near(
+    points: NDArray[np.float32], foot: NDArray[np.float64]
+) -> NDArray[np.float32]:
+    """Those of (N, 3) points that lie within reach of a flight from the (3,) foot.
+
+    The floor at the end of a flight may have been seen from its head only: near its foot a level
+    camera looks over it.
+    """
+    offset = points[:, :2] - foot[:2].astype(np.float32)
+    near: NDArray[np.float32] = points[(np.square(offset).sum(axis=1) <= FLIGHT_M**2)]
+    return near
+
+
 def heights_ahead(
     foot: NDArray[np.float64], points: NDArray[np.float32], treads: NDArray[np.float32]
 ) -> Sequence[float]:
     """Where the next floor may be, besides at the feet: the likeliest height first.
 
-    Down a flight it is the lowest level below all treads; up a flight, a step above the last one.
+    Down a flight it is the lowest level not above its foot, of which a tread's riser or a mask's
+    edge may be a part; up a flight, a step above the last one.
 
     Args:
         foot: (3,) the agent's foot point.
-        points: (N, 3) what one frame shows.
+        points: (N, 3) what is known about there.
         treads: (M, 3) the stairs that are known.
     """
     near = np.hypot(*(treads[:, :2] - foot[:2]).T) <= FLIGHT_M
     lowest = max(float(points[:, 2].min(initial=foot[2])), float(foot[2]) - DEEPEST_M)
-    below = np.arange(lowest, treads[near, 2].min(initial=foot[2]), LEVEL_TOLERANCE_M)
+    highest = min(treads[near, 2].min(initial=foot[2]) + RISER_M, foot[2])
+    below = np.arange(lowest, highest, LEVEL_TOLERANCE_M)
     return (*below.tolist(), *(float(foot[2]) + step for step in STEPS_UP_M))
 
 

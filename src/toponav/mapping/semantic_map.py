@@ -36,7 +36,7 @@ from toponav.mapping.flights import (
 from toponav.mapping.floors import Floor, FloorLayers
 from toponav.mapping.frame_sums import MAX_LABELS, DepthWindow, FrameSums, Masks, Scratch
 from toponav.mapping.frontiers import FrontierMap
-from toponav.mapping.ground import height_of, heights_ahead, level_area_m2
+from toponav.mapping.ground import height_of, heights_ahead, level_area_m2, points_near
 from toponav.mapping.interpolation import Spacing, disc, interpolate
 from toponav.mapping.occupancy import FloorGrid
 from toponav.mapping.view import (
@@ -318,19 +318,20 @@ class SemanticMap:
         return self._floor
 
     def _ground_height(self, foot: NDArray[np.float64], touched: NDArray[np.int32]) -> float | None:
-        """Height of a new floor that the frame shows; None without."""
+        """Height of a new floor that the frame shows, or that a flight leads to; None without."""
         config = self.config
         points = self._scene.arrays.points[touched]
         if level_area_m2(points, foot[2], config.r_pcd) >= config.level_area_m2:
             return float(foot[2])
         if not config.stairwells or self._floor is None:
             return None
+        about = points_near(self._scene.arrays.points[: len(self._scene)], foot)
         treads = self._scene.arrays.points[self._layers.stairs(self._floor)]
-        for z in heights_ahead(foot, points, treads):
+        for z in heights_ahead(foot, about, treads):
             apart = min(abs(floor.z - z) for floor in self._layers.floors)
             is_new = apart > config.floor_separation_m
-            if is_new and level_area_m2(points, z, config.r_pcd) >= config.level_area_m2:
-                return height_of(points, z)
+            if is_new and level_area_m2(about, z, config.r_pcd) >= config.level_area_m2:
+                return height_of(about, z)
         return None
 
     def _new_floor(self, index: int, z: float) -> Floor:

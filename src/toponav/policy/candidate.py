@@ -198,7 +198,7 @@ class Candidate:
         self.points = np.concatenate([self.points, other.points])
         self.seen = np.concatenate([self.seen, other.seen])
         self.hit = np.concatenate([self.hit, other.hit])
-        self.verdict = min(self.verdict, other.verdict)
+        self.verdict = max(self.verdict, other.verdict, key=abs)
         self.returns = max(self.returns, other.returns)
         self.implausible = min(self.implausible, other.implausible)
         for eye in other.eyes:
