@@ -73,7 +73,8 @@ _PRESETS: dict[str, dict[str, Any]] = {
                 "landing_m": 0.8,
                 "preferred_clearance_m": 0.35,
                 "tight_weight": 10.0,
-            }
+            },
+            "recovery": {"maneuver_m": 0.7},
         },
         "search": {},
     },

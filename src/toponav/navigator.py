@@ -331,7 +331,7 @@ class Navigator:
                 return self._conclude(observation, view)
         if acquiring and not self._looking_again and self._at_target(observation, view):
             return self._conclude(observation, view)
-        action = self._locomotion.next_action(observation, view.grid)
+        action = self._locomotion.next_action(observation, view.grid, view)
         if action is None and self._looking_again:
             return self._look_again(observation, view)
         if action is None and acquiring:
@@ -358,7 +358,7 @@ class Navigator:
                 self._looking_again, self._look_steps = True, 0
                 self._waypoint = spot
                 self._locomotion.go_to(spot)
-                action = self._locomotion.next_action(observation, view.grid)
+                action = self._locomotion.next_action(observation, view.grid, view)
                 return self._look_again(observation, view) if action is None else action
             if not self._goal.judge():
                 self._phase = Phase.EXPLORATION
@@ -402,7 +402,7 @@ class Navigator:
             return None
         self._waypoint = vantage
         self._locomotion.go_to(vantage)
-        return self._locomotion.next_action(observation, view.grid)
+        return self._locomotion.next_action(observation, view.grid, view)
 
     def _vantage(
         self, observation: Observation, view: MapView, reach: CostField

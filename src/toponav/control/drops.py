@@ -112,8 +112,17 @@ class DropEdges:
                     break
         return found
 
-    def look(self, observation: Observation, view: MapView, walker: Locomotion) -> Action | None:
-        """The next action of the look down an edge or flight, on arrival; None if none is due."""
+    def look(
+        self, observation: Observation, view: MapView, walker: Locomotion, *, landing: bool
+    ) -> Action | None:
+        """The next action of the look down an edge or flight, on arrival; None if none is due.
+
+        Args:
+            observation: Where the agent is.
+            view: The map.
+            walker: Turns the agent.
+            landing: Whether a flight is left for the floor that the map shows, not for another.
+        """
         here = observation.world_from_base.translation
         if self.looking_down:
             self._peeked.append((here[:2].copy(), view.floor))
@@ -124,7 +133,7 @@ class DropEdges:
         on_flight = abs(here[2] - view.floor_z) > ON_FLIGHT_M
         if not self.approached and (not on_flight or self._is_known(here[:2], view.floor)):
             return None
-        below = _last_treads(here, view) if on_flight else _drop_near(here, view)
+        below = _last_treads(here, view, landing) if on_flight else _drop_near(here, view)
         turn = None if below is None else walker.face(observation, below)
         if turn is None:
             self.looking_down = True
@@ -146,8 +155,13 @@ def _drop_near(here: NDArray[np.float64], view: MapView) -> NDArray[np.float64] 
     return below.mean(axis=0) if len(below) else None
 
 
-def _last_treads(here: NDArray[np.float64], view: MapView) -> NDArray[np.float64] | None:
-    """(2,) the middle of the near treads that are farthest from the floor; None without any."""
+def _last_treads(
+    here: NDArray[np.float64], view: MapView, landing: bool
+) -> NDArray[np.float64] | None:
+    """(2,) the middle of the near treads where the flight goes on; None without any.
+
+    They are those farthest from the floor, or nearest to it where the agent comes to land on it.
+    """
     if view.grid.stairs is None:
         return None
     cells = np.argwhere(np.isfinite(view.grid.stairs))
@@ -155,6 +169,6 @@ def _last_treads(here: NDArray[np.float64], view: MapView) -> NDArray[np.float64
     near = np.hypot(*(centers - here[:2]).T) <= BELOW_M
     if not near.any():
         return None
-    away = np.abs(view.grid.stairs[cells[near, 0], cells[near, 1]])
-    last: NDArray[np.float64] = centers[near][away >= away.max() - 0.1].mean(axis=0)
+    onward = np.abs(view.grid.stairs[cells[near, 0], cells[near, 1]]) * (-1.0 if landing else 1.0)
+    last: NDArray[np.float64] = centers[near][onward >= onward.max() - 0.1].mean(axis=0)
     return last

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from enum import Enum
 
 import numpy as np
@@ -11,9 +12,10 @@ from pydantic import Field
 from toponav.config_model import ConfigModel
 from toponav.control.discrete import DiscreteFollower, FollowerConfig
 from toponav.control.guide import Guide, guided_action
+from toponav.control.maneuver import maneuver, solid_points
 from toponav.control.planner import Clearance, CostField, Planner, PlannerConfig
 from toponav.control.recovery import BumpMemory, ProgressMonitor, RecoveryConfig
-from toponav.mapping.view import OccupancyGrid
+from toponav.mapping.view import MapView, OccupancyGrid
 from toponav.types import Action, Observation
 
 NEARBY_M = 5.0
@@ -61,6 +63,7 @@ class Locomotion:
         self._walked: tuple[NDArray[np.float64], CostField] | None = None
         self._clearance: Clearance | None = None
         self._squeezing = False
+        self._threading: deque[Action] = deque()
         self.progress = Progress.IDLE
 
     def observe(self, observation: Observation) -> None:
@@ -93,6 +96,7 @@ class Locomotion:
     def go_to(self, goals: NDArray[np.floating]) -> None:
         """Walk to the nearest of (2 or 3,) or (N, 2 or 3) positions from now on."""
         self._monitor.restart()
+        self._threading.clear()
         self.redirect(goals)
 
     def redirect(self, goals: NDArray[np.floating]) -> None:
@@ -104,13 +108,25 @@ class Locomotion:
         """(K, 2) planned way to the goal; empty without one."""
         return self._field(observation, grid).path_from(observation.world_from_base.translation)
 
-    def next_action(self, observation: Observation, grid: OccupancyGrid) -> Action | None:
-        """The next turn or step; None once `progress` says that the walk has ended."""
+    def next_action(
+        self, observation: Observation, grid: OccupancyGrid, view: MapView | None = None
+    ) -> Action | None:
+        """The next turn or step; None once `progress` says that the walk has ended.
+
+        Args:
+            observation: Where the agent is.
+            grid: Known space.
+            view: The whole map, with which gaps are threaded that the agent bumps into.
+        """
         if self.progress is not Progress.WALKING:
             return None
         xy = observation.world_from_base.translation[:2]
         if self._guide is not None:
             return self._next_guided(self._guide, observation)
+        if view is not None and observation.collided:
+            self._thread(observation, view)
+        if self._threading:
+            return self._threading.popleft()
         field = self._field(observation, grid)
         if np.hypot(*(field.goals - xy).T).min(initial=np.inf) <= self._config.arrival_m:
             self.progress = Progress.ARRIVED
@@ -135,6 +151,29 @@ class Locomotion:
             return None
         xy, field = self._walked
         return field.path_from(xy)
+
+    def _thread(self, observation: Observation, view: MapView) -> None:
+        """After a bump: seek turns and steps through the gap that the agent has bumped into."""
+        config, here = self._config, observation.world_from_base
+        foot = here.translation
+        was_threading = bool(self._threading)
+        self._threading.clear()
+        if was_threading:
+            self._bumps.give_up(foot[:2])
+        if not config.recovery.maneuver_m or not self._bumps.is_gap(foot[:2]):
+            return
+        clearance = self._planner.clearance(view.grid, foot, squeeze=True)
+        field = self._planner.cost_field(clearance, self._goals, foot[None, :2], NEARBY_M)
+        actions = maneuver(
+            here,
+            field,
+            solid_points(view, clearance, float(foot[2])),
+            config.follower,
+            config.planner.radius_m,
+            config.recovery.maneuver_m,
+        )
+        self._threading.extend(actions)
+        self._monitor.restart()
 
     def _next_guided(self, guide: Guide, observation: Observation) -> Action | None:
         """As `next_action`, by the guide's knowledge."""

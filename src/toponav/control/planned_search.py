@@ -238,7 +238,7 @@ class PlannedSearch:
 
     def look(self, observation: Observation, view: MapView, walker: Locomotion) -> Action | None:
         """On arrival, the turn towards what is left of the frontier; None when that is seen."""
-        action = self._drops.look(observation, view, walker)
+        action = self._drops.look(observation, view, walker, landing=self._landing)
         if action is not None:
             return action
         foot_z = float(observation.world_from_base.translation[2])

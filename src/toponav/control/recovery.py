@@ -47,6 +47,10 @@ class RecoveryConfig(ConfigModel):
     """Where a walk is given up, explained bumps within this distance, metres, block from then on:
     the gap is wide enough on the map, but not for steps and turns of the agent's size."""
 
+    maneuver_m: float = Field(default=0.0, ge=0.0)
+    """After a second bump in one place, turns and steps that just fit are sought until the way is
+    shorter by this, metres; 0 seeks none."""
+
     body_m: float = Field(default=0.15, ge=0.0)
     """Within this distance of where the agent has stood there is no obstacle that no image shows,
     metres: a little less than its radius."""
@@ -103,6 +107,12 @@ class BumpMemory:
         """A walk got no farther than (2,) xy: do not lead the next one through the same gap."""
         distance = np.linalg.norm(self._bumps[:, :2] - np.asarray(xy, dtype=np.float64), axis=1)
         self._forced |= distance <= self._config.given_up_m
+
+    def is_gap(self, xy: ArrayLike) -> bool:
+        """Whether the agent has bumped more than once about (2,) xy and not been turned back."""
+        distance = np.linalg.norm(self._bumps[:, :2] - np.asarray(xy, dtype=np.float64), axis=1)
+        about = distance <= self._config.given_up_m
+        return bool(about.sum() > 1 and not self._forced[about].any())
 
     def barring(self, xy: ArrayLike, grid: OccupancyGrid) -> HeadingBarred:
         """Tells the headings at which a forward step from (2,) xy would be blocked again."""

@@ -42,9 +42,7 @@ def level_area_m2(points: NDArray[np.float32], z: float, column_m: float) -> flo
     return len(np.setdiff1d(level, rising)) * column_m**2
 
 
-def points_near(
-    points: NDArray[np.float32], foot: NDArray[np.float64]
-) -> NDArray[np.float32]:
+def points_near(points: NDArray[np.float32], foot: NDArray[np.float64]) -> NDArray[np.float32]:
     """Those of (N, 3) points that lie within reach of a flight from the (3,) foot.
 
     The floor at the end of a flight may have been seen from its head only: near its foot a level

@@ -50,6 +50,10 @@ from toponav.mapping.view import (
 from toponav.mapping.voxels import EMPTY, VoxelCloud, columns_of, frozen
 from toponav.types import Detections, Observation
 
+NEAR_END_M = 0.9
+"""This far above or below the next floor the end of a flight is near: what the map knows of that
+floor counts, and no single frame need show it."""
+
 HALF_WAY_M = 0.5
 """Half-way between two floors the agent stays on the one it comes from until it is this much nearer
 to the other."""
@@ -330,8 +334,9 @@ class SemanticMap:
         for z in heights_ahead(foot, about, treads):
             apart = min(abs(floor.z - z) for floor in self._layers.floors)
             is_new = apart > config.floor_separation_m
-            if is_new and level_area_m2(about, z, config.r_pcd) >= config.level_area_m2:
-                return height_of(about, z)
+            known = about if abs(z - foot[2]) <= NEAR_END_M else points
+            if is_new and level_area_m2(known, z, config.r_pcd) >= config.level_area_m2:
+                return height_of(known, z)
         return None
 
     def _new_floor(self, index: int, z: float) -> Floor:

@@ -27,10 +27,10 @@ class EvidenceConfig(ConfigModel):
     prior: float = 0.0
     """Of something that was detected once, before that detection's score is known."""
 
-    hit: float = 1.2
+    hit: float = 1.0
     """A side from which it is always detected, with a neutral score."""
 
-    score_slope: float = 8.0
+    score_slope: float = 12.0
     """More for each 1 that the mean score exceeds the neutral one: right detections score about
     0.2 above wrong ones (docs/noise.md)."""
 
@@ -40,7 +40,7 @@ class EvidenceConfig(ConfigModel):
     most_per_side: float = 2.5
     """No side says more than this, for or against."""
 
-    miss: float = -0.8
+    miss: float = -0.65
     """A side from which it is plainly in view and never detected as anything."""
 
     other: float = -2.0
@@ -52,10 +52,10 @@ class EvidenceConfig(ConfigModel):
     implausible: float = -2.5
     """Each way in which its shape, seen from nearby, is none of the target's kind."""
 
-    steadiness: Annotated[float, Field(ge=0.0)] = 1.0
+    steadiness: Annotated[float, Field(ge=0.0)] = 0.5
     """Frames from one side that make its word count half of what many frames would."""
 
-    far_weight: Annotated[float, Field(ge=0.0, le=1.0)] = 0.5
+    far_weight: Annotated[float, Field(ge=0.0, le=1.0)] = 0.8
     """What a look from beyond `near_m` counts, against one from nearer by."""
 
     near_m: Positive = 2.5
@@ -67,7 +67,7 @@ class EvidenceConfig(ConfigModel):
     accept: float = 2.0
     """From here on it is the target."""
 
-    probable: float = 0.5
+    probable: float = 1.0
     """Enough where no further side can be looked at."""
 
     last_resort: float = -3.5
