@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from toponav.envs.simulator.opengl.cells import FaceCells
+from toponav.envs.simulator.opengl.numbering import number_rows
 from toponav.envs.simulator.opengl.shaders import NEAR_M, UNIT_NORMAL, program_sources
+from toponav.envs.simulator.opengl.shared_corners import share_corners
 from toponav.envs.simulator.shading import Surfaces
 from toponav.errors import SceneError
 from toponav.geometry import Intrinsics, Pose
@@ -25,9 +27,7 @@ CORNER = np.dtype(
         ("tint", "4u1"),
     ]
 )
-"""A corner as the vertex shader takes it; a face's three repeat what they share, which a software
-renderer fetches sooner once a corner than once a pixel."""
-
+"""A corner as the vertex shader takes it, and the look of the faces whose last one it is."""
 
 LAYOUT = {
     "position": ("3f", "12x"),
@@ -59,9 +59,9 @@ class DrawnScene:
         used = [name for name in LAYOUT if name in self._program]
         formats = [read if name in used else skip for name, (read, skip) in LAYOUT.items()]
         self._cells = FaceCells(surfaces.vertices, surfaces.faces)
-        buffer = context.buffer(_corners(surfaces, self._center)[self._cells.order])
-        content = [(buffer, " ".join(formats), *used)]
-        self._triangles = context.vertex_array(self._program, content)
+        corners, index = _corners(surfaces, self._cells.order, self._center)
+        content = [(context.buffer(corners), " ".join(formats), *used)]
+        self._triangles = context.vertex_array(self._program, content, context.buffer(index))
         self._set("near", np.float32(NEAR_M))
 
     def draw(self, world_from_camera: Pose, intrinsics: Intrinsics) -> None:
@@ -90,20 +90,32 @@ class DrawnScene:
             self._program[name].write(np.ascontiguousarray(value, np.float32).tobytes())
 
 
-def _corners(surfaces: Surfaces, center: NDArray[np.float64]) -> NDArray[np.void]:
-    """(F, 3) the corners of all faces."""
-    corners = np.zeros((len(surfaces.faces), 3), CORNER)
-    corners["position"] = (surfaces.vertices - center)[surfaces.faces]
+def _corners(
+    surfaces: Surfaces, order: NDArray[np.int64], center: NDArray[np.float64]
+) -> tuple[NDArray[np.void], NDArray[np.int32]]:
+    """(C,) corners, and (F, 3) those of each face in the order of drawing."""
     normals = np.round(surfaces.normals * UNIT_NORMAL).astype(np.int16)
-    corners["normal"][..., :3] = normals[:, None]
     # A texture repeats: near 0, single precision is finest.
-    corners["uv"] = surfaces.uv - np.floor(surfaces.uv[:, :1])
-    corners["first_texel"] = surfaces.offset[surfaces.material][:, None]
-    corners["rows"], corners["columns"] = surfaces.size[surfaces.material].T[..., None]
-    corners["instance"] = surfaces.instance[:, None]
+    uv = surfaces.uv - np.floor(surfaces.uv[:, :1])
+    place = [surfaces.faces, *np.moveaxis(uv, -1, 0), *np.moveaxis(surfaces.corner_colors, -1, 0)]
+    shared = share_corners(
+        number_rows([column.reshape(-1) for column in place if column.size]).reshape(-1, 3),
+        number_rows([*normals.T, surfaces.material, surfaces.instance]),
+        order,
+    )
+    f, k = np.divmod(shared.origin, 3)
+    corners = np.zeros(len(f), CORNER)
+    corners["position"] = surfaces.vertices[surfaces.faces[f, k]] - center
+    corners["uv"] = uv[f, k]
     if len(surfaces.corner_colors):
-        corners["tint"][..., :3] = surfaces.corner_colors
-    return corners
+        corners["tint"][:, :3] = surfaces.corner_colors[f, k]
+    face = np.maximum(shared.face, 0)  # a corner without a look gets any
+    material = surfaces.material[face]
+    corners["normal"][:, :3] = normals[face]
+    corners["first_texel"] = surfaces.offset[material]
+    corners["rows"], corners["columns"] = surfaces.size[material].T
+    corners["instance"] = surfaces.instance[face]
+    return corners, shared.of_face
 
 
 def _column_bits(context: Any, texels: int) -> int:
