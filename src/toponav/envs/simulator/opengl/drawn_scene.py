@@ -48,6 +48,7 @@ class DrawnScene:
         Raises:
             SceneError: Its textures are larger than what the device holds.
         """
+        self._context = context
         low, high = surfaces.vertices.min(axis=0), surfaces.vertices.max(axis=0)
         self._center = 0.5 * (low + high)
         tinted = len(surfaces.corner_colors) > 0
@@ -79,8 +80,12 @@ class DrawnScene:
         self._set("lens", lens)
         self._set("camera", camera)
         self._texels.use(0)
+        self._context.cull_face = "front"  # rows run downward: what is turned left, turns right
         start = self._cells.start
+        hidden = self._cells.backs_hidden(world_from_camera.translation)
         for cell in self._cells.in_view(world_from_camera, intrinsics):
+            switch = self._context.enable if hidden[cell] else self._context.disable
+            switch(self._context.CULL_FACE)
             first, end = 3 * int(start[cell]), 3 * int(start[cell + 1])
             self._triangles.render(vertices=end - first, first=first)
 
