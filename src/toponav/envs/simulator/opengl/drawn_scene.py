@@ -78,7 +78,6 @@ class DrawnScene:
         self._set("center", -rotation.T @ eye)
         self._set("eye", eye)
         self._set("lens", lens)
-        self._set("camera", camera)
         self._texels.use(0)
         self._context.cull_face = "front"  # rows run downward: what is turned left, turns right
         start = self._cells.start
