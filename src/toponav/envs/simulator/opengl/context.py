@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import threading
 from typing import Any
@@ -44,6 +45,14 @@ def thread_context() -> Any:
         _of_thread.context = _create(import_moderngl())
         _Process.started = os.getpid()
     return _of_thread.context
+
+
+def start_drawing() -> None:
+    """Let the device begin with what has been asked for so far, and go on asking.
+
+    Mesa's software renderer collects triangles until then. moderngl has no name for it.
+    """
+    ctypes.CDLL(LIBGL).glFlush()
 
 
 def import_moderngl() -> Any:

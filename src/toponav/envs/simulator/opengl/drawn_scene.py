@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from toponav.envs.simulator.opengl.cells import FaceCells
+from toponav.envs.simulator.opengl.context import start_drawing
 from toponav.envs.simulator.opengl.numbering import number_rows
 from toponav.envs.simulator.opengl.shaders import NEAR_M, UNIT_NORMAL, program_sources
 from toponav.envs.simulator.opengl.shared_corners import share_corners
@@ -37,6 +38,10 @@ LAYOUT = {
     "tint": ("4f1", "4x"),
 }
 """The same in moderngl's terms by the shader's names: read, and skipped."""
+
+FACES_AT_A_TIME = 8000
+"""After so many the device is told to begin: Mesa's threads fill them in while the next are
+prepared, and less lies in between."""
 
 
 class DrawnScene:
@@ -80,13 +85,17 @@ class DrawnScene:
         self._set("lens", lens)
         self._texels.use(0)
         self._context.cull_face = "front"  # rows run downward: what is turned left, turns right
-        start = self._cells.start
+        start, waiting = self._cells.start, 0
         hidden = self._cells.backs_hidden(world_from_camera.translation)
         for cell in self._cells.in_view(world_from_camera, intrinsics):
             switch = self._context.enable if hidden[cell] else self._context.disable
             switch(self._context.CULL_FACE)
             first, end = 3 * int(start[cell]), 3 * int(start[cell + 1])
             self._triangles.render(vertices=end - first, first=first)
+            waiting += end - first
+            if waiting > 3 * FACES_AT_A_TIME:
+                start_drawing()
+                waiting = 0
 
     def _set(self, name: str, value: NDArray[np.float64] | np.float32) -> None:
         """Set a uniform, unless the compiler has found that it is not needed."""
