@@ -19,8 +19,9 @@ from toponav.envs.simulator import HouseEnv, HouseEnvConfig
 from toponav.envs.simulator.navigation import NavigableSurface
 from toponav.envs.simulator.opengl import context as gl_context
 from toponav.envs.simulator.opengl.shaders import NEAR_M
-from toponav.envs.simulator.renderer import NO_INSTANCE, RenderedFrame, Renderer
+from toponav.envs.simulator.renderer import RenderedFrame, Renderer
 from toponav.envs.simulator.renderers import make_renderer, why_missing
+from toponav.envs.simulator.shading import NO_INSTANCE
 from toponav.errors import InputError, MissingExtraError
 from toponav.geometry import Intrinsics, Pose
 from toponav.geometry.conventions import BODY_FROM_OPTICAL

@@ -9,7 +9,8 @@ import numpy as np
 
 from toponav.envs.simulator.opengl.context import thread_context
 from toponav.envs.simulator.opengl.drawn_scene import DrawnScene
-from toponav.envs.simulator.renderer import NO_INSTANCE, RenderedFrame, pack
+from toponav.envs.simulator.renderer import RenderedFrame, pack
+from toponav.envs.simulator.shading import NO_INSTANCE
 from toponav.geometry import Intrinsics, Pose
 from toponav.scenes.mesh import SceneMesh
 
