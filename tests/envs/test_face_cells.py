@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import trimesh
 from box_scenes import mesh_of
 
 from toponav.envs.simulator.opengl.cells import FaceCells
@@ -41,6 +42,17 @@ def test_cells_hold_every_face_once() -> None:
     assert cells.start[0] == 0
     assert cells.start[-1] == len(faces)
     assert (np.diff(cells.start) > 0).all()
+
+
+def test_backs_are_hidden_from_outside_of_solids_only() -> None:
+    box = trimesh.creation.box((2.0, 2.0, 2.0))
+    vertices = np.concatenate([box.vertices, box.vertices + 9.0])
+    faces = np.concatenate([box.faces, box.faces[1:] + 8]).astype(np.int32)  # the second is open
+    cells = FaceCells(vertices, faces)
+    closed = cells.order[cells.start[:-1]] < len(box.faces)
+    assert not closed.all()
+    for eye, hidden in [((3.0, 0.0, 0.0), True), ((0.9, 0.0, 0.0), False), ((1.01, 0, 0), False)]:
+        assert (cells.backs_hidden(np.array(eye)) == (closed & hidden)).all()
 
 
 def test_near_cells_come_first() -> None:

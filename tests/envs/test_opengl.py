@@ -11,14 +11,17 @@ import threading
 
 import numpy as np
 import pytest
+import trimesh
 from box_scenes import mesh_of, room
 
 from shared_data import shared_data
 from toponav.envs.simulator import HouseEnv, HouseEnvConfig
 from toponav.envs.simulator.navigation import NavigableSurface
 from toponav.envs.simulator.opengl import context as gl_context
-from toponav.envs.simulator.renderer import NO_INSTANCE, RenderedFrame, Renderer
+from toponav.envs.simulator.opengl.shaders import NEAR_M
+from toponav.envs.simulator.renderer import RenderedFrame, Renderer
 from toponav.envs.simulator.renderers import make_renderer, why_missing
+from toponav.envs.simulator.shading import NO_INSTANCE
 from toponav.errors import InputError, MissingExtraError
 from toponav.geometry import Intrinsics, Pose
 from toponav.geometry.conventions import BODY_FROM_OPTICAL
@@ -132,6 +135,19 @@ def test_nothing_is_black_and_without_depth_or_id() -> None:
     assert not frame.depth.any()
     assert not frame.rgb.any()
     assert (frame.instance_ids == NO_INSTANCE).all()
+
+
+@needs_opengl
+@pytest.mark.parametrize(
+    ("forward_m", "depth_m"),
+    [(-2.0, 0.5), (0.0, 1.5), (-1.5 - 0.5 * NEAR_M, 3.0 + 0.5 * NEAR_M)],
+    ids=["outside", "inside", "too near for the side in front"],
+)
+def test_both_sides_of_a_box_can_be_seen(forward_m: float, depth_m: float) -> None:
+    box = trimesh.creation.box((3.0, 3.0, 3.0))
+    pose = Pose.from_yaw(0.0, (forward_m, 0.3, 0.2)) @ BODY_FROM_OPTICAL
+    frame = make_renderer("gl", mesh_of(box.vertices, box.faces)).render(pose, CAMERA)
+    assert frame.depth[120, 160] == pytest.approx(depth_m, abs=1e-3)
 
 
 @needs_opengl

@@ -8,7 +8,8 @@ from box_scenes import mesh_of, room
 from ray_reference import brute_force
 
 from toponav.envs.simulator.raycaster import RayCaster
-from toponav.envs.simulator.renderer import NO_INSTANCE, Renderer
+from toponav.envs.simulator.renderer import Renderer
+from toponav.envs.simulator.shading import NO_INSTANCE
 from toponav.geometry import Intrinsics, Pose
 from toponav.geometry.conventions import BODY_FROM_OPTICAL
 from toponav.scenes.mesh import Material, SceneMesh

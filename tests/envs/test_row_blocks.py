@@ -47,7 +47,7 @@ def test_images_do_not_depend_on_the_number_of_threads() -> None:
     mesh = room(extra=[("table", ((3.0, 1.5, 0.1), (4.0, 2.5, 0.8)))])
     for one, many in [
         (Renderer(mesh, threads=1), Renderer(mesh, threads=3)),
-        (Renderer(mesh, RayCaster(mesh, 1), 1), Renderer(mesh, RayCaster(mesh, 3), 3)),
+        (Renderer(mesh, RayCaster(mesh), 1), Renderer(mesh, RayCaster(mesh), 3)),
     ]:
         alone, shared = one.render(POSE, CAMERA), many.render(POSE, CAMERA)
         assert len(np.unique(alone.instance_ids)) > 4

@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from toponav.envs.simulator.agent_body import AgentBody
-from toponav.envs.simulator.renderer import NO_INSTANCE, RenderedFrame
+from toponav.envs.simulator.renderer import RenderedFrame
+from toponav.envs.simulator.shading import NO_INSTANCE
 from toponav.errors import InputError, MissingExtraError, SceneError
 from toponav.geometry import Intrinsics, Pose
 from toponav.geometry.conventions import HABITAT_FROM_WORLD, OPTICAL_FROM_OPENGL

@@ -25,6 +25,7 @@ from toponav.envs.simulator.homogeneous import (
     pixels_from_world,
     to_pixel,
 )
+from toponav.envs.simulator.row_blocks import RowsOfFaces
 from toponav.geometry import Intrinsics, Pose
 from toponav.scenes.mesh import SceneMesh
 
@@ -54,6 +55,11 @@ class Rasterizer:
         corners = _project(self._vertices, transform, eye)
         _draw(corners, self._faces, np.zeros(shape, np.float32), visible)
         return visible
+
+    def rows_of_faces(self, world_from_camera: Pose, intrinsics: Intrinsics) -> RowsOfFaces:
+        """The same by rows; all are drawn at once."""
+        visible = self.visible_faces(world_from_camera, intrinsics)
+        return lambda first, end: visible[first:end]
 
 
 @njit(cache=True, nogil=True)

@@ -11,19 +11,17 @@ from numpy.typing import NDArray
 from toponav.cores import usable_cores
 from toponav.envs.simulator.homogeneous import pixels_from_world
 from toponav.envs.simulator.rasterizer import Rasterizer
-from toponav.envs.simulator.row_blocks import for_row_blocks
+from toponav.envs.simulator.row_blocks import RowsOfFaces, for_row_blocks
 from toponav.envs.simulator.shading import Images, Surfaces, View, shade
 from toponav.geometry import Intrinsics, Pose
 from toponav.scenes.mesh import SceneMesh
-
-NO_INSTANCE = -1
 
 
 class Visibility(Protocol):
     """Finds the triangle that each pixel of a camera sees."""
 
-    def visible_faces(self, world_from_camera: Pose, intrinsics: Intrinsics) -> NDArray[np.int32]:
-        """(H, W) indices of the nearest triangles through the pixel centres; -1 for none."""
+    def rows_of_faces(self, world_from_camera: Pose, intrinsics: Intrinsics) -> RowsOfFaces:
+        """The nearest triangles through the pixel centres, to be asked for by rows."""
         ...
 
 
@@ -62,8 +60,8 @@ class Renderer:
             mesh: The scene.
             visibility: What finds the visible triangles; a `Rasterizer` by default. A `RayCaster`
                 finds the same ones, several times slower.
-            threads: How many shade; by default as many as there are cores. Images do not depend
-                on it.
+            threads: How many share the rows; by default as many as there are cores. Images do not
+                depend on it.
         """
         self._visibility = visibility or Rasterizer(mesh)
         self._threads = threads or usable_cores()
@@ -73,21 +71,21 @@ class Renderer:
         """The scene as a camera sees it; the optical axis is the camera's +z."""
         shape = (intrinsics.height, intrinsics.width)
         images = Images(
-            rgb=np.zeros((*shape, 3), np.uint8),
-            depth=np.zeros(shape, np.float32),
-            instance_ids=np.full(shape, NO_INSTANCE, np.int32),
+            rgb=np.empty((*shape, 3), np.uint8),
+            depth=np.empty(shape, np.float32),
+            instance_ids=np.empty(shape, np.int32),
         )
         view = View(
-            faces=self._visibility.visible_faces(world_from_camera, intrinsics),
             pixels_from_world=pixels_from_world(world_from_camera, intrinsics),
             eye=np.array(world_from_camera.translation),
             camera=(intrinsics.fx, intrinsics.fy, intrinsics.cx, intrinsics.cy),
         )
-        for_row_blocks(
-            intrinsics.height,
-            lambda first, end: shade(view, self._surfaces, images, first, end),
-            self._threads,
-        )
+        faces = self._visibility.rows_of_faces(world_from_camera, intrinsics)
+
+        def render_rows(first: int, end: int) -> None:
+            shade(view, self._surfaces, faces(first, end), images, first)
+
+        for_row_blocks(intrinsics.height, render_rows, self._threads)
         return RenderedFrame(images.rgb, images.depth, images.instance_ids)
 
 

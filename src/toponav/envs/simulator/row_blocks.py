@@ -7,6 +7,13 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 
+import numpy as np
+from numpy.typing import NDArray
+
+RowsOfFaces = Callable[[int, int], NDArray[np.int32]]
+"""(N, W) triangles that a camera sees in rows `first` to `first + N - 1`, -1 for none. Threads may
+ask at the same time."""
+
 BLOCK_ROWS = 30
 """Small enough that a busy core delays the others by no more than a block."""
 

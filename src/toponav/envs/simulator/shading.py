@@ -26,17 +26,18 @@ FALLOFF_PER_M = 0.035
 """Darkening with distance, a depth cue; at most half."""
 
 
+NO_INSTANCE = -1
+
+
 class View(NamedTuple):
-    """A camera and what it sees.
+    """A camera.
 
     Attributes:
-        faces: (H, W) int32 visible triangles; negative for none.
         pixels_from_world: (3, 3) from X - eye to homogeneous pixel coordinates.
         eye: (3,) world coordinates, metres.
         camera: fx, fy, cx, cy in pixels.
     """
 
-    faces: NDArray[np.int32]
     pixels_from_world: NDArray[np.float64]
     eye: NDArray[np.float64]
     camera: tuple[float, float, float, float]
@@ -96,16 +97,29 @@ class _Facet(NamedTuple):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def shade(view: View, surfaces: Surfaces, images: Images, first: int, end: int) -> None:
-    """Fill rows `first` to `end - 1` of the images; pixels that see nothing stay as they are."""
-    width = view.faces.shape[1]
+def shade(
+    view: View, surfaces: Surfaces, faces: NDArray[np.int32], images: Images, first: int
+) -> None:
+    """Fill rows of the images from row `first` on.
+
+    Args:
+        view: The camera.
+        surfaces: The scene.
+        faces: (N, W) visible triangles of the rows; negative for none.
+        images: What is filled in.
+        first: The row of the images that `faces` begin with.
+    """
+    rows, width = faces.shape
     fx, fy, cx, cy = view.camera
-    for v in range(first, end):
+    for v in range(first, first + rows):
         y = (v - cy) / fy
+        images.rgb[v] = 0
+        images.depth[v] = 0.0
+        images.instance_ids[v] = NO_INSTANCE
         last = -1
         facet = _facet(view, surfaces, 0)
         for u in range(width):
-            f = view.faces[v, u]
+            f = faces[v - first, u]
             if f < 0:
                 continue
             if f != last:

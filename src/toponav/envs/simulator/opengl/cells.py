@@ -8,10 +8,17 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from toponav.envs.simulator.opengl.numbering import number_rows
+from toponav.envs.simulator.opengl.shaders import NEAR_M
+from toponav.envs.simulator.opengl.solids import OPEN, Solids, find_solids
 from toponav.geometry import Intrinsics, Pose
 
 CELL_M = 1.5
 """Side of the cells. Smaller ones are cut off the view more closely, and drawn in more calls."""
+
+OUTSIDE_M = 5.0 * NEAR_M
+"""So far from a solid's box, what is too near to be drawn is not a part of it either: a hole would
+show its inside. Enough for corners of the view up to 78 degrees off the axis."""
 
 
 class FaceCells:
@@ -29,14 +36,19 @@ class FaceCells:
         cell = np.floor(0.5 * (low + high) / CELL_M).astype(np.int64)
         # A wall would blow up the box of the small things in its middle.
         large = (high - low).max(axis=1, keepdims=True) > CELL_M
-        key = np.concatenate([cell, large], axis=1)
-        _, number = np.unique(key, axis=0, return_inverse=True)
-        number = number.reshape(-1)
+        solids = find_solids(vertices, faces)
+        bounds = _solid_bounds(solids)[solids.of_face]
+        wide = (bounds[:, 1] - bounds[:, 0]).max(axis=1, keepdims=True) > CELL_M
+        closed = solids.of_face[:, None] != OPEN
+        key = np.concatenate([cell, large, closed, closed & wide], axis=1)
+        number = number_rows(list(key.T))
         self.order = np.argsort(number, kind="stable")
         first = np.flatnonzero(np.diff(number[self.order], prepend=-1))
         self.start = np.append(first, len(faces))
         self._low = np.minimum.reduceat(low[self.order], first)
         self._high = np.maximum.reduceat(high[self.order], first)
+        self._solids_low = np.minimum.reduceat(bounds[self.order, 0], first)
+        self._solids_high = np.maximum.reduceat(bounds[self.order, 1], first)
 
     def in_view(self, world_from_camera: Pose, intrinsics: Intrinsics) -> NDArray[np.int64]:
         """Cells that a camera may see, from near to far."""
@@ -48,6 +60,17 @@ class FaceCells:
         seen = np.flatnonzero(inside)
         nearest: NDArray[np.int64] = np.argsort((gap[seen] ** 2).sum(axis=1), kind="stable")
         return seen[nearest]
+
+    def backs_hidden(self, eye: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """(C,) whether the cell's faces belong to solids that a camera at `eye` is outside of."""
+        below, above = eye < self._solids_low - OUTSIDE_M, eye > self._solids_high + OUTSIDE_M
+        return np.asarray((below | above).any(axis=1))
+
+
+def _solid_bounds(solids: Solids) -> NDArray[np.float64]:
+    """(S + 1, 2, 3) the solids' boxes and, last, that of open surfaces: nothing is outside it."""
+    everywhere = np.array([[[-np.inf] * 3, [np.inf] * 3]])
+    return np.concatenate([np.stack([solids.low, solids.high], axis=1), everywhere])
 
 
 def _sides(intrinsics: Intrinsics) -> NDArray[np.float64]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import threading
 from typing import Any
@@ -17,6 +18,8 @@ software renderer is the last one, and the only one of a machine without a GPU."
 MOST_DEVICES = 16
 
 REQUIRED_VERSION = 330
+
+GL_COLOR = 0x1800
 
 _of_thread = threading.local()
 
@@ -44,6 +47,22 @@ def thread_context() -> Any:
         _of_thread.context = _create(import_moderngl())
         _Process.started = os.getpid()
     return _of_thread.context
+
+
+# moderngl has no names for the following two.
+
+
+def start_drawing() -> None:
+    """Let the device begin with what has been asked for so far, and go on asking.
+
+    Mesa's software renderer collects triangles until then.
+    """
+    ctypes.CDLL(LIBGL).glFlush()
+
+
+def fill_integers(attachment: int, value: int) -> None:
+    """Set all pixels of an integer image of the framebuffer in use, which a clear does not."""
+    ctypes.CDLL(LIBGL).glClearBufferiv(GL_COLOR, attachment, ctypes.byref(ctypes.c_int(value)))
 
 
 def import_moderngl() -> Any:

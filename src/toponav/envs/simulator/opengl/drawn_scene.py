@@ -8,7 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from toponav.envs.simulator.opengl.cells import FaceCells
+from toponav.envs.simulator.opengl.context import start_drawing
+from toponav.envs.simulator.opengl.numbering import number_rows
 from toponav.envs.simulator.opengl.shaders import NEAR_M, UNIT_NORMAL, program_sources
+from toponav.envs.simulator.opengl.shared_corners import share_corners
 from toponav.envs.simulator.shading import Surfaces
 from toponav.errors import SceneError
 from toponav.geometry import Intrinsics, Pose
@@ -25,9 +28,7 @@ CORNER = np.dtype(
         ("tint", "4u1"),
     ]
 )
-"""A corner as the vertex shader takes it; a face's three repeat what they share, which a software
-renderer fetches sooner once a corner than once a pixel."""
-
+"""A corner as the vertex shader takes it, and the look of the faces whose last one it is."""
 
 LAYOUT = {
     "position": ("3f", "12x"),
@@ -37,6 +38,10 @@ LAYOUT = {
     "tint": ("4f1", "4x"),
 }
 """The same in moderngl's terms by the shader's names: read, and skipped."""
+
+FACES_AT_A_TIME = 8000
+"""After so many the device is told to begin: Mesa's threads fill them in while the next are
+prepared, and less lies in between."""
 
 
 class DrawnScene:
@@ -48,6 +53,7 @@ class DrawnScene:
         Raises:
             SceneError: Its textures are larger than what the device holds.
         """
+        self._context = context
         low, high = surfaces.vertices.min(axis=0), surfaces.vertices.max(axis=0)
         self._center = 0.5 * (low + high)
         tinted = len(surfaces.corner_colors) > 0
@@ -59,9 +65,9 @@ class DrawnScene:
         used = [name for name in LAYOUT if name in self._program]
         formats = [read if name in used else skip for name, (read, skip) in LAYOUT.items()]
         self._cells = FaceCells(surfaces.vertices, surfaces.faces)
-        buffer = context.buffer(_corners(surfaces, self._center)[self._cells.order])
-        content = [(buffer, " ".join(formats), *used)]
-        self._triangles = context.vertex_array(self._program, content)
+        corners, index = _corners(surfaces, self._cells.order, self._center)
+        content = [(context.buffer(corners), " ".join(formats), *used)]
+        self._triangles = context.vertex_array(self._program, content, context.buffer(index))
         self._set("near", np.float32(NEAR_M))
 
     def draw(self, world_from_camera: Pose, intrinsics: Intrinsics) -> None:
@@ -77,12 +83,19 @@ class DrawnScene:
         self._set("center", -rotation.T @ eye)
         self._set("eye", eye)
         self._set("lens", lens)
-        self._set("camera", camera)
         self._texels.use(0)
-        start = self._cells.start
+        self._context.cull_face = "front"  # rows run downward: what is turned left, turns right
+        start, waiting = self._cells.start, 0
+        hidden = self._cells.backs_hidden(world_from_camera.translation)
         for cell in self._cells.in_view(world_from_camera, intrinsics):
+            switch = self._context.enable if hidden[cell] else self._context.disable
+            switch(self._context.CULL_FACE)
             first, end = 3 * int(start[cell]), 3 * int(start[cell + 1])
             self._triangles.render(vertices=end - first, first=first)
+            waiting += end - first
+            if waiting > 3 * FACES_AT_A_TIME:
+                start_drawing()
+                waiting = 0
 
     def _set(self, name: str, value: NDArray[np.float64] | np.float32) -> None:
         """Set a uniform, unless the compiler has found that it is not needed."""
@@ -90,20 +103,32 @@ class DrawnScene:
             self._program[name].write(np.ascontiguousarray(value, np.float32).tobytes())
 
 
-def _corners(surfaces: Surfaces, center: NDArray[np.float64]) -> NDArray[np.void]:
-    """(F, 3) the corners of all faces."""
-    corners = np.zeros((len(surfaces.faces), 3), CORNER)
-    corners["position"] = (surfaces.vertices - center)[surfaces.faces]
+def _corners(
+    surfaces: Surfaces, order: NDArray[np.int64], center: NDArray[np.float64]
+) -> tuple[NDArray[np.void], NDArray[np.int32]]:
+    """(C,) corners, and (F, 3) those of each face in the order of drawing."""
     normals = np.round(surfaces.normals * UNIT_NORMAL).astype(np.int16)
-    corners["normal"][..., :3] = normals[:, None]
     # A texture repeats: near 0, single precision is finest.
-    corners["uv"] = surfaces.uv - np.floor(surfaces.uv[:, :1])
-    corners["first_texel"] = surfaces.offset[surfaces.material][:, None]
-    corners["rows"], corners["columns"] = surfaces.size[surfaces.material].T[..., None]
-    corners["instance"] = surfaces.instance[:, None]
+    uv = surfaces.uv - np.floor(surfaces.uv[:, :1])
+    place = [surfaces.faces, *np.moveaxis(uv, -1, 0), *np.moveaxis(surfaces.corner_colors, -1, 0)]
+    shared = share_corners(
+        number_rows([column.reshape(-1) for column in place if column.size]).reshape(-1, 3),
+        number_rows([*normals.T, surfaces.material, surfaces.instance]),
+        order,
+    )
+    f, k = np.divmod(shared.origin, 3)
+    corners = np.zeros(len(f), CORNER)
+    corners["position"] = surfaces.vertices[surfaces.faces[f, k]] - center
+    corners["uv"] = uv[f, k]
     if len(surfaces.corner_colors):
-        corners["tint"][..., :3] = surfaces.corner_colors
-    return corners
+        corners["tint"][:, :3] = surfaces.corner_colors[f, k]
+    face = np.maximum(shared.face, 0)  # a corner without a look gets any
+    material = surfaces.material[face]
+    corners["normal"][:, :3] = normals[face]
+    corners["first_texel"] = surfaces.offset[material]
+    corners["rows"], corners["columns"] = surfaces.size[material].T
+    corners["instance"] = surfaces.instance[face]
+    return corners, shared.of_face
 
 
 def _column_bits(context: Any, texels: int) -> int:

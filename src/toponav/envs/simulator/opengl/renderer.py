@@ -7,11 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from toponav.envs.simulator.opengl.context import thread_context
+from toponav.envs.simulator.opengl.context import fill_integers, thread_context
 from toponav.envs.simulator.opengl.drawn_scene import DrawnScene
-from toponav.envs.simulator.renderer import NO_INSTANCE, RenderedFrame, pack
+from toponav.envs.simulator.renderer import RenderedFrame, pack
+from toponav.envs.simulator.shading import NO_INSTANCE
 from toponav.geometry import Intrinsics, Pose
 from toponav.scenes.mesh import SceneMesh
+
+DEPTHS, IDS = 1, 2
+"""Where the fragment shader puts them, after the colours."""
 
 
 class GlRenderer:
@@ -57,11 +61,10 @@ class _Targets:
     def __init__(self, context: Any, size: tuple[int, int]) -> None:
         self._context = context
         self._shape = (size[1], size[0])
-        self._ids = context.texture(size, 1, dtype="i4")
-        self._nothing = np.full(self._shape, NO_INSTANCE, np.int32).tobytes()
+        colors, depths = context.texture(size, 4), context.texture(size, 1, dtype="f4")
+        ids = context.texture(size, 1, dtype="i4")
         self._framebuffer = context.framebuffer(
-            [context.texture(size, 4), context.texture(size, 1, dtype="f4"), self._ids],
-            context.depth_renderbuffer(size),
+            [colors, depths, ids], context.depth_renderbuffer(size)
         )
 
     def clear(self) -> None:
@@ -70,7 +73,7 @@ class _Targets:
         self._context.enable_only(self._context.DEPTH_TEST)
         self._context.depth_func = "<"  # of surfaces at the same depth the first stays
         self._framebuffer.clear()
-        self._ids.write(self._nothing)  # a clear leaves integers undefined
+        fill_integers(IDS, NO_INSTANCE)
 
     def read(self) -> RenderedFrame:
         """What has been drawn, row 0 at the top."""
@@ -81,6 +84,6 @@ class _Targets:
         )
         read = self._framebuffer.read_into
         read(frame.rgb, components=3, alignment=1)
-        read(frame.depth, components=1, attachment=1, dtype="f4")
-        read(frame.instance_ids, components=1, attachment=2, dtype="i4")
+        read(frame.depth, components=1, attachment=DEPTHS, dtype="f4")
+        read(frame.instance_ids, components=1, attachment=IDS, dtype="i4")
         return frame

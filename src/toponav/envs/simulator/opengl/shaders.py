@@ -31,10 +31,12 @@ flat out float eye_distance;
 flat out ivec4 seen_look;
 out vec2 seen_uv;
 out vec3 seen_tint;
+out vec3 ray;          // from the eye, metres
 
 void main() {
     vec3 normal = vec3(whole_normal.xyz) / UNIT_NORMAL;
-    float away = dot(normal, position - eye);
+    ray = position - eye;
+    float away = dot(normal, ray);
     vec3 n = away > 0.0 ? -normal : normal;  // seen from behind: light the side that is seen
     base_light = AMBIENT + SKY * (0.5 + 0.5 * n.z) + BOUNCE * max(0.0, -n.z)
         + SIDE * (0.5 + 0.5 * dot(n, SIDE_DIRECTION));
@@ -49,13 +51,13 @@ void main() {
 """
 
 _FRAGMENT = """
-uniform vec4 camera;      // fx, fy, cx, cy in pixels
 uniform sampler2D texels;
 flat in float base_light;
 flat in float eye_distance;
 flat in ivec4 seen_look;
 in vec2 seen_uv;
 in vec3 seen_tint;
+in vec3 ray;
 layout(location = 0) out vec4 rgb;
 layout(location = 1) out float depth;
 layout(location = 2) out int instance;
@@ -71,10 +73,9 @@ void main() {
     vec3 color = texelFetch(texels, entry, 0).rgb;
     if (TINTED) color *= seen_tint;
     if (LIT) {
-        vec2 xy = (gl_FragCoord.xy - (camera.zw + 0.5)) / camera.xy;
-        float ray_length = sqrt(dot(xy, xy) + 1.0);
-        float light = base_light + HEADLIGHT * eye_distance * gl_FragCoord.w / ray_length;
-        color *= light * max(0.5, 1.0 - FALLOFF_PER_M * depth * ray_length);
+        float range = length(ray);
+        float light = base_light + HEADLIGHT * eye_distance / range;
+        color *= light * max(0.5, 1.0 - FALLOFF_PER_M * range);
     }
     rgb = vec4(color, 1.0);
 }
