@@ -147,10 +147,11 @@ class Navigator:
         self._locomotion.observe(observation)
         if self._search is not None:
             self._search.observe(observation.world_from_base)
+        looks_round = self._panorama.collecting
+        if looks_round and self._panorama.add(observation, detections, update):
+            return Action.TURN_LEFT
         view = self._map.view()
-        if self._panorama.collecting:
-            if self._panorama.add(observation, detections, update):
-                return Action.TURN_LEFT
+        if looks_round:
             self._decide(observation, view)
         elif self._must_reconsider(detections, view):
             self._decide_from_here(Frame(observation, detections, update, view))

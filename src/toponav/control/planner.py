@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
 from scipy.ndimage import binary_dilation
@@ -199,9 +200,8 @@ class Planner:
         fits[about] |= free[about] & (here <= config.escape_radius_m)
         # Where its body is there is no obstacle, whatever the map says.
         fits[about] |= here <= config.radius_m
-        shortfall = np.clip(1.0 - distance / config.preferred_clearance_m, 0.0, 1.0)
-        tight = np.clip(1.0 - distance / config.radius_m, 0.0, 1.0)
-        cost = 1.0 + config.clearance_weight * shortfall**2 + config.tight_weight * tight**2
+        preferred = (config.preferred_clearance_m, config.clearance_weight)
+        cost = _step_costs(distance, preferred, (config.radius_m, config.tight_weight))
         return Clearance(grid, distance, fits, cost)
 
     def cost_field(
@@ -273,6 +273,21 @@ class Planner:
         distance = np.hypot(*(centers - goal_xy).T)
         nearest = int(np.argmin(distance))
         return centers[nearest] if distance[nearest] <= self._config.goal_tolerance_m else None
+
+
+@njit(cache=True)
+def _step_costs(
+    distance: NDArray[np.float64], preferred: tuple[float, float], tight: tuple[float, float]
+) -> NDArray[np.float64]:
+    """(N_x, N_y) costs of a metre, by two distances under which they grow, and how much at zero."""
+    (preferred_m, preferred_weight), (tight_m, tight_weight) = preferred, tight
+    costs = np.empty(distance.shape)
+    for i in range(distance.shape[0]):
+        for j in range(distance.shape[1]):
+            shortfall = min(max(1.0 - distance[i, j] / preferred_m, 0.0), 1.0)
+            touching = min(max(1.0 - distance[i, j] / tight_m, 0.0), 1.0)
+            costs[i, j] = 1.0 + preferred_weight * shortfall**2 + tight_weight * touching**2
+    return costs
 
 
 def _flight_sides(

@@ -168,7 +168,7 @@ def shortest_paths(
     """
     ground = _ground(traversable, cell_cost)
     search, buckets = _new_search(ground.traversable.size), _buckets(ground)
-    limit, _ = _spread(ground, search, buckets, seeds, until, np.inf)
+    limit, _ = _spread(ground, search, buckets, seeds, until, np.empty(0))
     cost = np.full(traversable.shape, np.inf)
     parent = np.full(traversable.shape, NO_PARENT, np.int64)
     rows, columns = traversable.shape
@@ -196,7 +196,8 @@ def costs_between(
 
     Costs are those of `shortest_paths`. Both directions cost the same, so that every search looks
     for the cells before its own alone, and all share their memory. (N, N) symmetric `within` says
-    for each pair beyond which cost it does not matter.
+    for each pair beyond which cost it does not matter: the search goes on only from cells that may
+    lie on a cheaper way.
     """
     between = np.full((len(cells), len(cells)), np.inf)
     ground = _ground(traversable, cell_cost)
@@ -206,11 +207,10 @@ def costs_between(
         if k == 0:
             continue
         until = (cells[:k], 0.0)
-        farthest = within[k, :k].max()
-        limit, entries = _spread(ground, search, buckets, cells[k : k + 1], until, farthest)
+        limit, entries = _spread(ground, search, buckets, cells[k : k + 1], until, within[k, :k])
         for other in range(k):
             place = (cells[other, 0] + MARGIN) * ground.columns + cells[other, 1] + MARGIN
-            if search.cost[place] <= limit:
+            if search.cost[place] <= min(limit, within[k, other]):
                 between[k, other] = between[other, k] = search.cost[place]
             search.is_wanted[place] = False
         for entry in range(entries):
@@ -227,9 +227,17 @@ def _spread(
     buckets: _Buckets,
     seeds: NDArray[np.int64],
     until: tuple[NDArray[np.int64], float],
-    within: float,
+    within: NDArray[np.float64],
 ) -> tuple[float, int]:
     """Settle cells in the order of their costs.
+
+    Args:
+        ground: Where.
+        search: In the making.
+        buckets: Empty.
+        seeds: From where.
+        until: As of `shortest_paths`.
+        within: Beyond which cost each of the cells of `until` is out of reach; empty for nowhere.
 
     Returns:
         The cost up to which they are settled, and the number of entries made.
@@ -251,7 +259,9 @@ def _spread(
         cell = (wanted[k, 0] + MARGIN) * ground.columns + wanted[k, 1] + MARGIN
         missing += int(not is_wanted[cell])
         is_wanted[cell] = True
-    farthest, limit, bucket = 0.0, within, 0
+    farthest, bucket = 0.0, 0
+    farthest_within = within.max() if within.size else np.inf
+    limit = farthest_within
     while waiting > 0 and bucket * width <= limit:
         entry = first[bucket % ring]
         if entry == NONE:
@@ -262,17 +272,41 @@ def _spread(
         if is_settled[cell]:
             continue
         is_settled[cell] = True
-        new, entries = _pass_on(ground, search, buckets, cell, entries)
-        waiting += new - 1
+        waiting -= 1
+        if not within.size or _may_lead_on(ground, (cell, cost[cell]), wanted, within, buckets):
+            new, entries = _pass_on(ground, search, buckets, cell, entries)
+            waiting += new
         if is_wanted[cell]:
             farthest = max(farthest, cost[cell])
             missing -= 1
             if missing == 0:
-                limit = min(within, farthest + margin)
+                limit = min(farthest_within, farthest + margin)
     return limit, entries
 
 
 @njit(cache=True)
+def _may_lead_on(
+    ground: _Ground,
+    reached: tuple[int, float],
+    wanted: NDArray[np.int64],
+    within: NDArray[np.float64],
+    buckets: _Buckets,
+) -> bool:
+    """Whether a cell, reached at a cost, may lie on a way to a wanted cell that is within reach.
+
+    No way is shorter than the straight line, or cheaper than over the cheapest cells.
+    """
+    cell, cost = reached
+    i, j = cell // ground.columns - MARGIN, cell % ground.columns - MARGIN
+    for k in range(len(wanted)):
+        left = (within[k] - cost) / buckets.width
+        away_i, away_j = wanted[k, 0] - i, wanted[k, 1] - j
+        if left >= 0.0 and away_i * away_i + away_j * away_j <= left * left:
+            return True
+    return False
+
+
+@njit(cache=True, inline="always")
 def _pass_on(
     ground: _Ground, search: _Search, buckets: _Buckets, cell: int, entries: int
 ) -> tuple[int, int]:
@@ -284,22 +318,24 @@ def _pass_on(
     _, traversable, cell_cost, moves, beside = ground
     cost, parent = search.cost, search.parent
     width, first, cells, after = buckets
-    settled, here, ring = cost[cell], cell_cost[cell], first.size
+    settled, here, ring = cost[cell], cell_cost[cell], np.uint32(first.size)
+    here_at = np.uint64(cell)
     new = 0
     for n in range(len(NEIGHBOURS)):
-        other = cell + moves[n]
+        other = here_at + np.uint64(moves[n])
         known = cost[other]
         if known <= settled or not traversable[other]:
             continue
         if n >= STRAIGHT_MOVES and not (
-            traversable[cell + beside[n, 0]] and traversable[cell + beside[n, 1]]
+            traversable[here_at + np.uint64(beside[n, 0])]
+            and traversable[here_at + np.uint64(beside[n, 1])]
         ):
             continue
         candidate = settled + LENGTHS[n] * 0.5 * (here + cell_cost[other])
         if candidate < known:
             new += int(known == np.inf)
             cost[other], parent[other] = candidate, cell
-            bucket = int(candidate / width) % ring
+            bucket = np.uint32(candidate / width) % ring
             cells[entries], after[entries], first[bucket] = other, first[bucket], entries
             entries += 1
         elif candidate == known:

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from toponav.errors import ObservationError
 from toponav.mapping.frame_sums import (
-    SPAN,
     DepthWindow,
     Frame,
     FrameSums,
@@ -16,6 +15,7 @@ from toponav.mapping.frame_sums import (
     Scratch,
     sum_frame,
 )
+from toponav.mapping.voxel_codes import SPAN
 from toponav.mapping.voxels import reach_m
 from toponav.types import Observation
 

@@ -1,9 +1,10 @@
 """Eq. (1), eq. (2) and the sums of VoxelDownsample, for a whole frame and its labels in one pass.
 
-Neighbouring pixels mostly fall into the same voxel, so a row is summed run by run, and the runs of
-one voxel are gathered over the rows before the map is looked up; no array of points is ever made.
-A run ends where the labels change too, so that its sums serve M_scene and every M_obj at once. What
-is done to every pixel is in loops without branches, which the compiler turns into vectors.
+Neighbouring pixels mostly fall into the same voxel, so every column of the image is summed run by
+run, row after row of all columns at once, and the runs of one voxel are gathered before the map is
+looked up; no array of points is ever made. A run ends where the labels change too, so that its sums
+serve M_scene and every M_obj at once. What is done to every pixel is in loops without branches or
+sums that wait for each other, which the compiler turns into vectors.
 """
 
 from __future__ import annotations
@@ -14,32 +15,14 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from toponav.mapping.voxel_codes import NOWHERE, Lattice, Lines, decoded, encode
 from toponav.mapping.voxels import VoxelSums, pack_key
 
-MAX_LABELS = 32
+MAX_LABELS = 16
 """Labels that one pass tells apart, a bit each."""
 
 RECENT = 1 << 12
 """Voxels that the gathering of runs keeps in sight, by 12 bits of a hash: most of a frame's."""
-
-SPAN = 1 << 17
-"""Voxels that a frame may reach along an axis, half of them on either side of the camera: three
-such numbers make one code that a double holds exactly."""
-
-NOWHERE = -np.inf
-"""Code of a pixel that does not count."""
-
-DOUBT = 1e-8
-"""Nearer than this to an integer, in voxels, a product may lie on the other side of it than the
-quotient that it stands for: many times the rounding of numbers up to 2^20."""
-
-_Lines = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
-"""For each axis of the world slope, start and shift: x_w = d (slope ray_x + start) + shift."""
-
-COLOR_BITS = 21
-"""Bits of a channel in a packed sum over a row: 2^21 / 255 pixels are more than a row has."""
-
-COLOR_MASK = np.uint64((1 << COLOR_BITS) - 1)
 
 
 class DepthWindow(NamedTuple):
@@ -80,27 +63,39 @@ class FrameSums(NamedTuple):
 
 
 class _Row(NamedTuple):
-    """What is known of a row of W pixels.
+    """What is known of the W pixels of a row.
 
     Attributes:
         codes: (W,) the pixel's voxel, as one number, or `NOWHERE`.
-        depth_sums: (W + 1,) sums over the pixels before one: of the depths,
-        lateral_sums: (W + 1,) of the camera's x,
-        color_sums: (W + 1,) of the packed colours.
-        breaks: (W,) whether a run starts here; true for the first pixel.
-        starts: (W + 1,) first pixels of the runs: neighbours in one voxel, with the same labels.
+        labels: (W,) its labels, a bit each.
     """
 
     codes: NDArray[np.float64]
+    labels: NDArray[np.uint16]
+
+
+class _Runs(NamedTuple):
+    """In every one of the W columns the run that has not ended yet.
+
+    A run is pixels below each other, in one voxel and with the same labels.
+
+    Attributes:
+        first_rows: (W,) where it starts.
+        totals: (W,) to which of the gathered sums it belongs.
+        depth_sums: (W,) of the depths,
+        y_sums: (W,) of the camera's y,
+        color_sums: (3 W,) of the colours, red, green and blue in turns.
+    """
+
+    first_rows: NDArray[np.int32]
+    totals: NDArray[np.int32]
     depth_sums: NDArray[np.float64]
-    lateral_sums: NDArray[np.float64]
-    color_sums: NDArray[np.uint64]
-    breaks: NDArray[np.bool_]
-    starts: NDArray[np.int32]
+    y_sums: NDArray[np.float64]
+    color_sums: NDArray[np.uint32]
 
 
 class _Gathered(NamedTuple):
-    """Sums in the making.
+    """Sums in the making; the last entry takes those of pixels that do not count.
 
     Attributes:
         codes: (N,) voxels, as in `_Row`.
@@ -138,21 +133,21 @@ class Scratch:
         """Take none yet."""
         self._gathered = _room_for(0)
 
-    def for_pixels(self, pixels: int) -> _Gathered:
+    def for_sums(self, size: int) -> _Gathered:
         """Room for that many sums; what the last call handed out is overwritten."""
-        if len(self._gathered.codes) < pixels:
-            self._gathered = _room_for(pixels)
+        if len(self._gathered.codes) < size:
+            self._gathered = _room_for(size)
         return self._gathered
 
 
-def _room_for(pixels: int) -> _Gathered:
+def _room_for(size: int) -> _Gathered:
     return _Gathered(
-        np.empty(pixels, np.float64),
-        np.empty(pixels, np.uint32),
-        np.empty((pixels, 3), np.float64),
-        np.empty((pixels, 3), np.uint32),
-        np.empty(pixels, np.int32),
-        np.empty(pixels, np.int64),
+        np.empty(size, np.float64),
+        np.empty(size, np.uint32),
+        np.empty((size, 3), np.float64),
+        np.empty((size, 3), np.uint32),
+        np.empty(size, np.int32),
+        np.empty(size, np.int64),
     )
 
 
@@ -168,7 +163,7 @@ def sum_frame(
         resolution: Edge of a voxel, metres.
         scratch: Holds the sums until it is used again.
     """
-    gathered = scratch.for_pixels(frame.depth.size)
+    gathered = scratch.for_sums(frame.depth.size + 1)
     camera = np.floor(frame.translation / resolution)
     found = _gather_frame(frame, window, masks, (camera, resolution), gathered)
     _to_world(frame, (camera, resolution), gathered, found)
@@ -186,39 +181,47 @@ def _gather_frame(
     frame: Frame,
     window: DepthWindow,
     masks: Masks,
-    lattice: tuple[NDArray[np.float64], float],
+    lattice: Lattice,
     gathered: _Gathered,
 ) -> int:
     """Sum all rows; returns the number of sums."""
     height, width = frame.depth.shape
-    row = _Row(
-        np.empty(width),
-        np.zeros(width + 1),
-        np.zeros(width + 1),
-        np.zeros(width + 1, np.uint64),
-        np.ones(width, np.bool_),
-        np.empty(width + 1, np.int32),
+    rows = (_empty_row(width), _empty_row(width))
+    runs = _Runs(
+        np.zeros(width, np.int32),
+        np.full(width, gathered.codes.size - 1, np.int32),
+        np.zeros(width),
+        np.zeros(width),
+        np.zeros(3 * width, np.uint32),
     )
-    labels = np.zeros(width, np.uint32)
+    breaks, ended = np.zeros(width, np.bool_), np.empty(width + 1, np.uint32)
     recent = np.zeros(RECENT, np.int32)
     gathered.codes[0], found = NOWHERE, 0
+    depths = (window.min_depth, window.max_depth)
+    colors = frame.rgb.reshape(height, 3 * width)
     for v in range(height):
+        row, above = rows[v % 2], rows[1 - v % 2]
         depth = frame.depth[v]
-        if not _encode(depth, frame.ray_x, _lines_of(frame, v), lattice, row.codes):
-            _encode_exactly(depth, frame.ray_x, _lines_of(frame, v), lattice, row.codes)
-        _leave_out(depth, window, row.codes)
-        labels[:] = 0
+        encode(depth, frame.ray_x, _lines_of(frame, v), (lattice, depths), row.codes)
+        row.labels[:] = 0
         for instance in range(masks.bits.size):
             if masks.bits[instance] >= 0:
-                _label(masks.pixels[instance, v], np.uint32(1 << masks.bits[instance]), labels)
-        runs = _find_runs(row.codes, labels, row.breaks, row.starts)
-        _accumulate(depth, frame.ray_x, frame.rgb[v], row)
-        found = _gather_row((row, runs, frame.ray_y[v]), labels, recent, gathered, found)
+                _label(masks.pixels[instance, v], np.uint16(1 << masks.bits[instance]), row.labels)
+        count = _find_breaks(row, above, breaks, ended)
+        _end_runs(ended[:count], runs, (frame.ray_x, v), gathered)
+        found = _begin_runs(ended[:count], row, runs, (recent, gathered), found)
+        _accumulate(depth, frame.ray_y[v], colors[v], runs)
+    _end_runs(np.arange(width).astype(np.uint32), runs, (frame.ray_x, height), gathered)
     return found
 
 
 @njit(cache=True)
-def _lines_of(frame: Frame, v: int) -> _Lines:
+def _empty_row(width: int) -> _Row:
+    return _Row(np.full(width, NOWHERE), np.zeros(width, np.uint16))
+
+
+@njit(cache=True)
+def _lines_of(frame: Frame, v: int) -> Lines:
     """Eq. (1) in eq. (2) along a row: x_w = d (R [ray_x, ray_y, 1]^T) + t."""
     R, t, y = frame.rotation, frame.translation, frame.ray_y[v]
     return (
@@ -229,161 +232,109 @@ def _lines_of(frame: Frame, v: int) -> _Lines:
 
 
 @njit(cache=True)
-def _label(mask: NDArray[np.bool_], label: np.uint32, labels: NDArray[np.uint32]) -> None:
+def _label(mask: NDArray[np.bool_], label: np.uint16, labels: NDArray[np.uint16]) -> None:
     """Set a label's bit along a row wherever its mask is."""
     for u in range(labels.size):
-        labels[u] |= label * np.uint32(mask[u])
+        labels[u] |= label * np.uint16(mask[u])
 
 
 @njit(cache=True)
-def _encode(
-    depth: NDArray[np.float32],
-    ray_x: NDArray[np.float64],
-    lines: _Lines,
-    lattice: tuple[NDArray[np.float64], float],
-    codes: NDArray[np.float64],
-) -> bool:
-    """Write the voxels of a row as codes; returns whether they are those that division gives.
-
-    To multiply by 1 / resolution costs a fraction of dividing, and may end up in the neighbouring
-    voxel only where the quotient is an integer but for rounding.
-    """
-    (slope_x, start_x, t_x), (slope_y, start_y, t_y), (slope_z, start_z, t_z) = lines
-    camera, resolution = lattice
-    camera_x, camera_y, camera_z = camera[0], camera[1], camera[2]
-    per_m = 1.0 / resolution
-    doubtful = 0
-    for u in range(depth.size):
-        d, r = float(depth[u]), ray_x[u]
-        x = (d * (slope_x * r + start_x) + t_x) * per_m
-        y = (d * (slope_y * r + start_y) + t_y) * per_m
-        z = (d * (slope_z * r + start_z) + t_z) * per_m
-        i, j, k = np.floor(x), np.floor(y), np.floor(z)
-        codes[u] = ((i - camera_x) * SPAN + (j - camera_y)) * SPAN + (k - camera_z)
-        off_middle = max(abs(x - i - 0.5), abs(y - j - 0.5), abs(z - k - 0.5))
-        doubtful += int(off_middle > 0.5 - DOUBT)
-    return doubtful == 0
-
-
-@njit(cache=True, error_model="numpy")
-def _encode_exactly(
-    depth: NDArray[np.float32],
-    ray_x: NDArray[np.float64],
-    lines: _Lines,
-    lattice: tuple[NDArray[np.float64], float],
-    codes: NDArray[np.float64],
-) -> None:
-    """As `_encode`, by division."""
-    camera, resolution = lattice
-    codes[:] = 0.0
-    for axis in range(3):
-        slope, start, shift = lines[axis]
-        first = camera[axis]
-        for u in range(depth.size):
-            x = float(depth[u]) * (slope * ray_x[u] + start) + shift
-            codes[u] = codes[u] * SPAN + (np.floor(x / resolution) - first)
-
-
-@njit(cache=True)
-def _leave_out(depth: NDArray[np.float32], window: DepthWindow, codes: NDArray[np.float64]) -> None:
-    """Mark the pixels outside the window."""
-    for u in range(depth.size):
-        inside = (depth[u] > window.min_depth) & (depth[u] < window.max_depth)
-        codes[u] = codes[u] if inside else NOWHERE
-
-
-@njit(cache=True)
-def _find_runs(
-    codes: NDArray[np.float64],
-    labels: NDArray[np.uint32],
-    breaks: NDArray[np.bool_],
-    starts: NDArray[np.int32],
+def _find_breaks(
+    row: _Row, above: _Row, breaks: NDArray[np.bool_], ended: NDArray[np.uint32]
 ) -> int:
-    """Write where the runs start; returns their number. First vectors, then without branches."""
-    for u in range(1, codes.size):
-        breaks[u] = (codes[u] != codes[u - 1]) | (labels[u] != labels[u - 1])
-    runs = 0
+    """Write the columns whose runs end above this row; returns their number.
+
+    First vectors, then without branches.
+    """
+    codes, labels = row
+    codes_above, labels_above = above
     for u in range(codes.size):
-        starts[runs] = u
-        runs += int(breaks[u])
-    starts[runs] = codes.size
-    return runs
+        breaks[u] = (codes[u] != codes_above[u]) | (labels[u] != labels_above[u])
+    count = 0
+    for u in range(codes.size):
+        ended[count] = u
+        count += int(breaks[u])
+    return count
 
 
 @njit(cache=True)
-def _accumulate(
-    depth: NDArray[np.float32], ray_x: NDArray[np.float64], rgb: NDArray[np.uint8], row: _Row
-) -> None:
-    """Fill in the running sums; one loop, so that the additions overlap."""
-    depth_sums, lateral_sums, color_sums = row.depth_sums, row.lateral_sums, row.color_sums
-    depth_sum, lateral_sum, color_sum = 0.0, 0.0, np.uint64(0)
-    for u in range(depth.size):
-        d = float(depth[u])
-        depth_sum += d
-        lateral_sum += d * ray_x[u]
-        color_sum += (
-            np.uint64(rgb[u, 0])
-            | (np.uint64(rgb[u, 1]) << np.uint64(COLOR_BITS))
-            | (np.uint64(rgb[u, 2]) << np.uint64(2 * COLOR_BITS))
-        )
-        depth_sums[u + 1] = depth_sum
-        lateral_sums[u + 1] = lateral_sum
-        color_sums[u + 1] = color_sum
-
-
-@njit(cache=True)
-def _gather_row(
-    part: tuple[_Row, int, float],
-    labels: NDArray[np.uint32],
-    recent: NDArray[np.int32],
+def _end_runs(
+    columns: NDArray[np.uint32],
+    runs: _Runs,
+    place: tuple[NDArray[np.float64], int],
     gathered: _Gathered,
+) -> None:
+    """Add the runs that end above row v to the sums of their voxels, and begin them anew."""
+    first_rows, totals, depth_sums, y_sums, run_colors = runs
+    _, _, sums, color_sums, counts, _ = gathered
+    ray_x, v = place
+    for column in columns:
+        total, depth, first = totals[column], depth_sums[column], 3 * column
+        sums[total, 0] += depth * ray_x[column]
+        sums[total, 1] += y_sums[column]
+        sums[total, 2] += depth
+        counts[total] += v - first_rows[column]
+        first_rows[column], depth_sums[column], y_sums[column] = v, 0.0, 0.0
+        for channel in range(3):
+            color_sums[total, channel] += run_colors[first + channel]
+            run_colors[first + channel] = 0
+
+
+@njit(cache=True)
+def _begin_runs(
+    columns: NDArray[np.uint32],
+    row: _Row,
+    runs: _Runs,
+    known: tuple[NDArray[np.int32], _Gathered],
     found: int,
 ) -> int:
-    """Add a row's runs to the sums of their voxels; returns the number of sums."""
-    row, runs, ray_y = part
-    codes, all_labels, sums, color_sums, counts, _ = gathered
-    for run in range(runs):
-        start, end = row.starts[run], row.starts[run + 1]
-        code, label = row.codes[start], labels[start]
+    """Find or make the sums of the runs that begin in a row; returns the number of sums."""
+    recent, (codes, labels, sums, color_sums, counts, _) = known
+    row_codes, row_labels = row
+    totals, nowhere = runs.totals, codes.size - 1
+    for column in columns:
+        code, label = row_codes[column], np.uint32(row_labels[column])
         if code == NOWHERE:
+            totals[column] = nowhere
             continue
         mixed = np.uint64(np.int64(code)) * np.uint64(0x9E3779B97F4A7C15)
         place = int(mixed >> np.uint64(52))
         total = recent[place]
-        if codes[total] != code or all_labels[total] != label:
+        if codes[total] != code or labels[total] != label:
             total = found
             recent[place] = total
-            codes[total], all_labels[total], counts[total] = code, label, 0
+            codes[total], labels[total], counts[total] = code, label, 0
             for axis in range(3):
                 sums[total, axis], color_sums[total, axis] = 0.0, 0
             found += 1
-        depth = row.depth_sums[end] - row.depth_sums[start]
-        sums[total, 0] += row.lateral_sums[end] - row.lateral_sums[start]
-        sums[total, 1] += depth * ray_y
-        sums[total, 2] += depth
-        color = row.color_sums[end] - row.color_sums[start]
-        color_sums[total, 0] += np.uint32(color & COLOR_MASK)
-        color_sums[total, 1] += np.uint32((color >> np.uint64(COLOR_BITS)) & COLOR_MASK)
-        color_sums[total, 2] += np.uint32(color >> np.uint64(2 * COLOR_BITS))
-        counts[total] += end - start
+        totals[column] = total
     return found
 
 
 @njit(cache=True)
-def _to_world(
-    frame: Frame, lattice: tuple[NDArray[np.float64], float], gathered: _Gathered, found: int
+def _accumulate(
+    depth: NDArray[np.float32], ray_y: float, colors: NDArray[np.uint8], runs: _Runs
 ) -> None:
+    """Add a row's pixels to the runs of their columns."""
+    depth_sums, y_sums, color_sums = runs.depth_sums, runs.y_sums, runs.color_sums
+    for u in range(depth.size):
+        d = float(depth[u])
+        depth_sums[u] += d
+        y_sums[u] += d * ray_y
+    for k in range(colors.size):
+        color_sums[k] += np.uint32(colors[k])
+
+
+@njit(cache=True)
+def _to_world(frame: Frame, lattice: Lattice, gathered: _Gathered, found: int) -> None:
     """Write the voxels' keys, and instead of the sums those of the offsets from lower corners."""
     codes, _, sums, _, counts, keys = gathered
     camera, resolution = lattice
     camera_i, camera_j, camera_k = int(camera[0]), int(camera[1]), int(camera[2])
     R, t = frame.rotation, frame.translation
     for row in range(found):
-        code = int(codes[row])
-        k = (code + SPAN // 2) % SPAN - SPAN // 2
-        code = (code - k) // SPAN
-        j = (code + SPAN // 2) % SPAN - SPAN // 2
-        index = ((code - j) // SPAN + camera_i, j + camera_j, k + camera_k)
+        i, j, k = decoded(codes[row])
+        index = (i + camera_i, j + camera_j, k + camera_k)
         keys[row] = pack_key(index[0], index[1], index[2])
         x, y, z = sums[row, 0], sums[row, 1], sums[row, 2]
         for axis in range(3):

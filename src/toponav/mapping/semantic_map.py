@@ -47,7 +47,7 @@ from toponav.mapping.view import (
     OccupancyGrid,
     PointCloud,
 )
-from toponav.mapping.voxels import EMPTY, VoxelCloud, columns_of, frozen
+from toponav.mapping.voxels import EMPTY, VoxelCloud, columns_of, frozen, lowest_of
 from toponav.types import Detections, Observation
 
 NEAR_END_M = 0.9
@@ -220,7 +220,7 @@ class SemanticMap:
         self._bridge(floor, foot, points)
         if config.stairwells:
             self._hold_ground(floor, foot)
-            self._look_below(floor, foot, frame)
+            self._look_below(floor, foot, frame, touched)
         return FrameUpdate(points, labels, self._clear(frame, touched))
 
     def leave(self) -> None:
@@ -368,10 +368,19 @@ class SemanticMap:
             floor.treads.refresh()
         floor.grid.hold(np.floor(under_foot[:, :2] / self.config.r_pcd).astype(np.int64))
 
-    def _look_below(self, floor: Floor, foot: NDArray[np.float64], frame: PosedFrame) -> None:
+    def _look_below(
+        self,
+        floor: Floor,
+        foot: NDArray[np.float64],
+        frame: PosedFrame,
+        touched: NDArray[np.int32],
+    ) -> None:
         """Where the frame looks below the floor on which the agent stands."""
         config = self.config
         if abs(foot[2] - floor.z) >= config.drop_depth_m:
+            return
+        lowest = lowest_of(self._scene.arrays.keys[touched])
+        if lowest * config.r_pcd > floor.z - config.drop_depth_m:
             return
         columns = frame.columns_seen_through(floor.z, config.drop_depth_m, config.r_pcd)
         floor.grid.see_through(columns)

@@ -18,6 +18,10 @@ Scalar = TypeVar("Scalar", bound=np.generic)
 MAPPED_BYTES = 1 << 20
 """Smaller arrays are left to the allocator."""
 
+LARGE_BYTES = 8 << 20
+"""From here on large pages are asked for: voxels are looked up all over them, and of small pages
+the processor would not find most in its list. One large page at the end may be partly unused."""
+
 
 def zeros(length: int, dtype: DTypeLike) -> NDArray[Any]:
     """(length,) zeros; pages count once they are written to."""
@@ -26,6 +30,8 @@ def zeros(length: int, dtype: DTypeLike) -> NDArray[Any]:
     if size < MAPPED_BYTES or not hasattr(mmap, "MAP_PRIVATE"):  # there are systems without
         return np.zeros(length, kind)
     pages = mmap.mmap(-1, size, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
+    if size >= LARGE_BYTES and hasattr(mmap, "MADV_HUGEPAGE"):
+        pages.madvise(mmap.MADV_HUGEPAGE)
     return np.frombuffer(pages, kind)
 
 

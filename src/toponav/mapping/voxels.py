@@ -51,7 +51,7 @@ BATCH = 1 << 16
 GROWTH = 1.25
 """Factor by which the storage grows."""
 
-FULLEST = 0.7
+FULLEST = 0.5
 """Share of the hash table's entries in use, at most, so that probes stay short."""
 
 VOXELS, TOUCHED = 0, 1
@@ -315,6 +315,13 @@ def unpack_keys(keys: NDArray[np.int64]) -> NDArray[np.int64]:
 def columns_of(keys: NDArray[np.int64]) -> NDArray[np.int64]:
     """(N, 2) integer x and y of the voxels of (N,) keys."""
     return unpack_keys(keys)[:, :2]
+
+
+def lowest_of(keys: NDArray[np.int64]) -> float:
+    """Least integer z of the voxels of (N,) keys; infinite without any."""
+    if not len(keys):
+        return np.inf
+    return float((keys & AXIS_MASK).min() - AXIS_OFFSET)
 
 
 def _views(records: NDArray[np.void]) -> dict[str, NDArray[Any]]:

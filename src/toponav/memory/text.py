@@ -104,13 +104,14 @@ def _tell(
         shown=shown,
         several_floors=floors > 1,
     )
-    lines = {node.id: places.line(node) for node in nodes}
     order = _by_importance(nodes, places.links.get(current, []), current, history)
+    order = order[: budget.max_nodes]
+    lines = {node.id: places.line(node) for node in nodes if node.id in order}
     head = f"Topological memory: {_count(len(nodes), 'place')}"
     head += f" on {floors} floors" if floors > 1 else ""
     head += f"; the robot is at place {current}."
     route = _route(history, budget)
-    for kept in range(min(len(order), budget.max_nodes), 0, -1):
+    for kept in range(len(order), 0, -1):
         parts = [head, *(lines[node_id] for node_id in sorted(order[:kept]))]
         if kept < len(nodes):
             parts.append(f"{_count(len(nodes) - kept, 'further place')} omitted.")

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +38,9 @@ from toponav.reasoning.base import (
     reasoners,
 )
 from toponav.reasoning.schema import Guidance
+
+PLACES_KEPT = 4096
+"""Likelihoods of the target that are remembered, by what is around: most nodes stay as they are."""
 
 
 class PriorConfig(ConfigModel):
@@ -245,9 +249,15 @@ def _evidence(
 
 def _likelihood(query: Query, node: NodeView, room: str, config: PriorConfig) -> float:
     here = node.id == query.memory.current and node.room_type == UNKNOWN_ROOM
-    evidence = {canonical(name): config.object_evidence for name in node.objects}
-    belief = room_belief(evidence, room if here else node.room_type)
-    return target_likelihood(query.target, belief, evidence)
+    known = room if here else node.room_type
+    return _likelihood_among(query.target, node.objects, known, config.object_evidence)
+
+
+@lru_cache(maxsize=PLACES_KEPT)
+def _likelihood_among(target: str, objects: tuple[str, ...], room: str, weight: float) -> float:
+    """P(the target is at a place) of such a room with those objects, each of that weight."""
+    evidence = {canonical(name): weight for name in objects}
+    return target_likelihood(target, room_belief(evidence, room), evidence)
 
 
 def _saturated(amount: float, half: float) -> float:
