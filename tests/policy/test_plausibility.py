@@ -15,7 +15,7 @@ def block(x_m: float, y_m: float, low_m: float, high_m: float) -> np.ndarray:
     """Points 5 cm apart of a block, its lower end so high above the floor."""
     axes = [np.arange(0.0, max(side, 0.01), 0.05) for side in (x_m, y_m, high_m - low_m)]
     points = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 3)
-    return points + (4.0, -1.0, FLOOR_Z + low_m)
+    return points + np.array([4.0, -1.0, FLOOR_Z + low_m])
 
 
 def ways(points: np.ndarray, category: str, *, all_round: bool = True) -> int:

@@ -64,6 +64,7 @@ class Locomotion:
         self._clearance: Clearance | None = None
         self._squeezing = False
         self._threading: deque[Action] = deque()
+        self._in_gap = False
         self.progress = Progress.IDLE
 
     def observe(self, observation: Observation) -> None:
@@ -97,6 +98,7 @@ class Locomotion:
         """Walk to the nearest of (2 or 3,) or (N, 2 or 3) positions from now on."""
         self._monitor.restart()
         self._threading.clear()
+        self._in_gap = False
         self.redirect(goals)
 
     def redirect(self, goals: NDArray[np.floating]) -> None:
@@ -125,7 +127,8 @@ class Locomotion:
             return self._next_guided(self._guide, observation)
         if view is not None and observation.collided:
             self._thread(observation, view)
-        if self._threading:
+        self._in_gap = bool(self._threading)
+        if self._in_gap:
             return self._threading.popleft()
         field = self._field(observation, grid)
         if np.hypot(*(field.goals - xy).T).min(initial=np.inf) <= self._config.arrival_m:
@@ -156,11 +159,10 @@ class Locomotion:
         """After a bump: seek turns and steps through the gap that the agent has bumped into."""
         config, here = self._config, observation.world_from_base
         foot = here.translation
-        was_threading = bool(self._threading)
         self._threading.clear()
-        if was_threading:
+        if self._in_gap:
             self._bumps.give_up(foot[:2])
-        if not config.recovery.maneuver_m or not self._bumps.is_gap(foot[:2]):
+        if not config.recovery.maneuver_m or not self._bumps.is_gap(foot[:2], view.grid):
             return
         clearance = self._planner.clearance(view.grid, foot, squeeze=True)
         field = self._planner.cost_field(clearance, self._goals, foot[None, :2], NEARBY_M)

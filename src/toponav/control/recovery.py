@@ -108,11 +108,15 @@ class BumpMemory:
         distance = np.linalg.norm(self._bumps[:, :2] - np.asarray(xy, dtype=np.float64), axis=1)
         self._forced |= distance <= self._config.given_up_m
 
-    def is_gap(self, xy: ArrayLike) -> bool:
-        """Whether the agent has bumped more than once about (2,) xy and not been turned back."""
+    def is_gap(self, xy: ArrayLike, grid: OccupancyGrid) -> bool:
+        """Whether the agent has grazed what is mapped about (2,) xy more than once.
+
+        Not where a walk was given up already, or where something is that no image shows.
+        """
         distance = np.linalg.norm(self._bumps[:, :2] - np.asarray(xy, dtype=np.float64), axis=1)
         about = distance <= self._config.given_up_m
-        return bool(about.sum() > 1 and not self._forced[about].any())
+        grazes = about & self._explained(grid) & ~self._forced
+        return bool(about.sum() > 1 and grazes.sum() == about.sum())
 
     def barring(self, xy: ArrayLike, grid: OccupancyGrid) -> HeadingBarred:
         """Tells the headings at which a forward step from (2,) xy would be blocked again."""

@@ -51,8 +51,8 @@ from toponav.mapping.voxels import EMPTY, VoxelCloud, columns_of, frozen, lowest
 from toponav.types import Detections, Observation
 
 NEAR_END_M = 0.9
-"""This far above or below the next floor the end of a flight is near: what the map knows of that
-floor counts, and no single frame need show it."""
+"""This far above the next floor the end of a flight is near: what the map knows of that floor
+counts, and no single frame need show it. Above the foot, ceilings look like floors."""
 
 HALF_WAY_M = 0.5
 """Half-way between two floors the agent stays on the one it comes from until it is this much nearer
@@ -334,7 +334,7 @@ class SemanticMap:
         for z in heights_ahead(foot, about, treads):
             apart = min(abs(floor.z - z) for floor in self._layers.floors)
             is_new = apart > config.floor_separation_m
-            known = about if abs(z - foot[2]) <= NEAR_END_M else points
+            known = about if 0.0 <= foot[2] - z <= NEAR_END_M else points
             if is_new and level_area_m2(known, z, config.r_pcd) >= config.level_area_m2:
                 return height_of(known, z)
         return None
