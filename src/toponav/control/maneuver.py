@@ -28,7 +28,10 @@ EASY_M = 0.04
 TIGHT_COST_M = 0.4
 """A step without any room costs so much more than one with enough, metres."""
 
-SAME_M = 0.03
+SLACK_M = 0.005
+"""Between the points of a surface, and between places along a step, is a little less room."""
+
+SAME_M = 0.02
 """Places nearer to each other than this are one."""
 
 SAMPLES = 6
@@ -37,7 +40,7 @@ SAMPLES = 6
 STAIRS, STEP_M, BODY_M = "stairs", 0.25, 1.0
 """Parts of a flight this far above the agent's foot, metres, are no treads to step on."""
 
-MAX_EXPANDED = 3000
+MAX_EXPANDED = 4000
 """Places from which steps are tried before it is given up."""
 
 
@@ -128,7 +131,7 @@ class _Search:
         self._field = field
         self._obstacles = obstacles
         self._motion = motion
-        self._radius_m = radius_m
+        self._radius_m = radius_m + SLACK_M
         self._full_turn = round(360.0 / motion.turn_deg)
         headings = yaw + np.arange(self._full_turn) * math.radians(motion.turn_deg)
         direction = np.stack([np.cos(headings), np.sin(headings)], axis=-1)
