@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 import pytest
-
 from kinematic_world import RADIUS_M, BoxWorld, Walker
+
 from toponav.control.discrete import FollowerConfig
 from toponav.control.maneuver import maneuver, solid_points
 from toponav.control.planner import CostField, Planner, PlannerConfig

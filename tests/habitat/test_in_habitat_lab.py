@@ -16,24 +16,6 @@ habitat = pytest.importorskip("habitat", reason="habitat-lab is not installed (d
 
 EPISODES = 2
 
-BENCHMARK = """
-defaults:
-  - /benchmark/nav/objectnav: objectnav_hm3d
-  - _self_
-habitat:
-  dataset:
-    data_path: {file}
-    scenes_dir: {scenes}
-  simulator:
-    habitat_sim_v0:
-      gpu_device_id: -1
-    agents:
-      main_agent:
-        sim_sensors:
-          rgb_sensor: {{width: 96, height: 72, position: [0.0, 0.88, 0.0]}}
-          depth_sensor: {{width: 96, height: 72, position: [0.0, 0.88, 0.0]}}
-"""
-
 
 @pytest.fixture(scope="module")
 def plan(tmp_path_factory: pytest.TempPathFactory) -> DatasetPlan:
