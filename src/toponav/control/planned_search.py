@@ -36,6 +36,9 @@ from toponav.types import Action, Observation
 SAME_FLIGHT_M = 5.0
 """What leads on from the flight on which the agent is lies no farther than this."""
 
+SAME_LANDING_M = 0.1
+"""Who is to land once more where it has just landed gets no farther that way."""
+
 SQUEEZE_M = 5.0
 """What a gap costs that may be too narrow, metres: trying it takes some steps."""
 
@@ -108,6 +111,7 @@ class PlannedSearch:
         self._looks = Looks()
         self._left_floor: int | None = None
         self._landing = False
+        self._landed = np.full(3, np.inf)
         self._revisiting = False
         self._storeys = Storeys()
         self.squeezes = False
@@ -140,8 +144,12 @@ class PlannedSearch:
         if not self._on_flight(foot_z, view):
             self._left_floor = None
             return None
-        self._landing = True
-        self._waypoint = landing(view, reach)
+        onward = landing(view, reach)
+        if onward is not None and np.hypot(*(onward - self._landed)[:2]) < SAME_LANDING_M:
+            self._left_floor = None  # it is there, whatever the map knows of its height
+            return None
+        self._landing, self._waypoint = True, onward
+        self._landed = np.full(3, np.inf) if onward is None else onward
         return self._waypoint
 
     def set_out(
