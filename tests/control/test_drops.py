@@ -55,9 +55,11 @@ def at(x: float, y: float, towards: tuple[float, float], z: float = 0.0) -> Obse
     return replace(observation, world_from_base=type(base).from_yaw(base.yaw, (x, y, z)))
 
 
-def actions(edges: DropEdges, view: MapView, *observations: Observation) -> list[Action | None]:
+def actions(
+    edges: DropEdges, view: MapView, *observations: Observation, landing: bool = False
+) -> list[Action | None]:
     walker = Locomotion(LocomotionConfig())
-    return [edges.look(observation, view, walker) for observation in observations]
+    return [edges.look(observation, view, walker, landing=landing) for observation in observations]
 
 
 def test_the_agent_turns_to_the_drop_and_looks_down_and_up_again() -> None:
@@ -80,6 +82,22 @@ def test_elsewhere_the_camera_stays_level_but_on_a_flight_it_does_not() -> None:
         Action.LOOK_DOWN,
         Action.LOOK_UP,
     ]
+
+
+@pytest.mark.parametrize(
+    ("landing", "ahead"), [(False, (9.0, 0.8)), (True, (-9.0, 0.8))], ids=["leaving", "landing"]
+)
+def test_on_a_flight_it_looks_down_the_way_it_goes(
+    landing: bool, ahead: tuple[float, float]
+) -> None:
+    hall = drawn_map("##########", "#........#", "#........#", "##########", enlarged=4)
+    heights = np.full(hall.grid.cells.shape, np.nan, np.float32)
+    heights[4:36, 4:12] = -0.1 * np.arange(1, 33)[:, None]  # away from the floor along x
+    view = replace(hall, grid=replace(hall.grid, stairs=heights))
+    onward, back = (at(2.0, 0.8, (side * ahead[0], 0.8), z=-1.6) for side in (1.0, -1.0))
+    assert actions(DropEdges(), view, onward, landing=landing) == [Action.LOOK_DOWN]
+    [turn] = actions(DropEdges(), view, back, landing=landing)
+    assert turn in (Action.TURN_LEFT, Action.TURN_RIGHT)
 
 
 @pytest.mark.parametrize("rise_m", [-0.1, 0.1])

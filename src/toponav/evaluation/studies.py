@@ -129,6 +129,10 @@ STUDIES: dict[str, Study] = {
             _set("without-plan", search="null"),
             _set("without-affinity", search='{"semantic_exponent": 0}'),
             _set("without-node", search='{"guided_node": 1}'),
+            _set("without-shapes", goal__evidence__implausible="0"),
+            _set("without-gaps", locomotion__recovery__maneuver_m="0"),
+            _set("without-landings", locomotion__planner__landing_m="0"),
+            _set("without-clearing", map__clearing="null"),
         ),
     ),
     "merge-distance": Study(
