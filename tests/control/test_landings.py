@@ -7,7 +7,7 @@ import pytest
 
 from toponav.control.landings import landings
 from toponav.control.planner import Planner, PlannerConfig
-from toponav.mapping.view import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
+from toponav.mapping.view import DROP, FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 
 R = 0.1
 SIDE = 60
@@ -39,6 +39,15 @@ def test_treads_and_a_landing_are_taken_to_follow(sign) -> None:
     beside = guessed[:, RIGHT + 4]
     assert not beside[: FOOT - 1].any()
     assert beside[FOOT + 1 : FOOT + 6].all()
+
+
+def test_what_looks_like_a_drop_before_the_last_treads_is_guessed_as_well() -> None:
+    grid = flight(34)
+    grid.cells[34:FOOT, LEFT:RIGHT] = DROP
+    grid.cells[10:30, RIGHT + 1 :] = DROP  # beside the flight, where it is one
+    guessed = landings(grid, 0.8)
+    assert guessed[34 : FOOT + 7, (LEFT + RIGHT) // 2].all()
+    assert not guessed[10:30].any()
 
 
 def test_nothing_known_is_guessed_anew() -> None:
