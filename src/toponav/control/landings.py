@@ -50,8 +50,7 @@ def landings(grid: OccupancyGrid, landing_m: float) -> NDArray[np.bool_]:
         treads = np.argwhere(flights[window] == number)
         heights = height[window][tuple(treads.T)].astype(np.float64)
         if len(treads) >= LEAST_TREADS and heights.min() <= NEAR_FLOOR_M:
-            unseen = (grid.cells[window] == UNKNOWN) | (grid.cells[window] == DROP)
-            cells = np.argwhere(unseen)
+            cells = np.argwhere(np.isin(grid.cells[window], (UNKNOWN, DROP)))
             before = cells[_before(cells, treads, heights, grid.resolution, landing_m)]
             guessed[window][tuple(before.T)] = True
     return guessed

@@ -105,23 +105,21 @@ class BumpMemory:
 
     def give_up(self, xy: ArrayLike) -> None:
         """A walk got no farther than (2,) xy: do not lead the next one through the same gap."""
-        distance = np.linalg.norm(self._bumps[:, :2] - np.asarray(xy, dtype=np.float64), axis=1)
-        self._forced |= distance <= self._config.given_up_m
+        self._forced |= self._away(xy) <= self._config.given_up_m
 
     def is_gap(self, xy: ArrayLike, grid: OccupancyGrid) -> bool:
         """Whether the agent has grazed what is mapped about (2,) xy more than once.
 
         Not where a walk was given up already, or where something is that no image shows.
         """
-        distance = np.linalg.norm(self._bumps[:, :2] - np.asarray(xy, dtype=np.float64), axis=1)
-        about = distance <= self._config.given_up_m
-        grazes = about & self._explained(grid) & ~self._forced
-        return bool(about.sum() > 1 and grazes.sum() == about.sum())
+        about = self._away(xy) <= self._config.given_up_m
+        grazes = self._explained(grid) & ~self._forced
+        return bool(about.sum() > 1 and grazes[about].all())
 
     def barring(self, xy: ArrayLike, grid: OccupancyGrid) -> HeadingBarred:
         """Tells the headings at which a forward step from (2,) xy would be blocked again."""
         config = self._config
-        distance = np.linalg.norm(self._bumps[:, :2] - np.asarray(xy, dtype=np.float64), axis=1)
+        distance = self._away(xy)
         touching = ~self._explained(grid) & (distance <= config.touching_m)
         limit = np.radians(np.where(touching, config.wall_angle_deg, config.bump_angle_deg))
         limit = np.where(distance <= config.bump_radius_m, limit, -1.0)
@@ -145,6 +143,12 @@ class BumpMemory:
         away, _ = cKDTree(stood).query(contact)
         unvisited: NDArray[np.float64] = contact[away > self._config.body_m]
         return unvisited
+
+    def _away(self, xy: ArrayLike) -> NDArray[np.float64]:
+        """(N,) distance of the bumps from (2,) xy, metres."""
+        offset = self._bumps[:, :2] - np.asarray(xy, dtype=np.float64)
+        away: NDArray[np.float64] = np.linalg.norm(offset, axis=1)
+        return away
 
     @property
     def _ahead(self) -> NDArray[np.float64]:
