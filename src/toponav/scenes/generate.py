@@ -23,6 +23,8 @@ STAIRS_RUN_M = 4.3
 STAIRS_WIDTH_M = 1.0
 STAIRS_LANDING_M = 1.1
 """Free floor at both ends of a flight."""
+STAIRS_FOOT_M = 1.8
+"""From the foot to the wall ahead: one passes even where a sofa stands against that wall."""
 
 PRIVATE_ROOMS = (
     "bathroom", "bedroom", "bedroom", "office", "laundry", "bathroom", "bedroom", "closet",
@@ -100,7 +102,7 @@ def generate_house(seed: int, config: GeneratorConfig | None = None) -> House:
     rng = np.random.default_rng([seed, 0x7090])
     levels = config.levels or (2 if seed % 5 in (3, 4) else 1)
     rooms = config.rooms or int(rng.integers(4, 12))
-    least = 2 * STAIRS_LANDING_M + STAIRS_RUN_M if levels == 2 else 0.0
+    least = STAIRS_LANDING_M + STAIRS_RUN_M + STAIRS_FOOT_M if levels == 2 else 0.0
     frame = draw_frame(rng, config.size, least)
     plans = [_ground_floor(rng, config.size, frame, rooms)]
     if levels == 2:

@@ -21,10 +21,6 @@ WALL_GAP_M = 0.08
 """Half a wall and a finger's breadth: how far furniture stays from the room's outline."""
 PASSAGE_RADIUS_M = 0.27
 """Half the width of passages that stay open: the agent's 0.18 m and a margin for steering."""
-LANDING_RADIUS_M = 0.22
-"""The same for the way to a landing, which is short."""
-LOW_STEPS_M = 0.3
-"""The end of a flight that one steps onto from its side: one step of 0.2 m."""
 DOOR_DEPTH_M = 0.95
 """Floor that stays free in front of an opening."""
 DOOR_MARGIN_M = 0.12
@@ -123,7 +119,9 @@ class RoomSpace:
 
     def free(self) -> BaseGeometry:
         """Where the agent's centre can be."""
-        return self._free(PASSAGE_RADIUS_M, self._flights)
+        things = unary_union([self._flights, *(footprint for footprint, _ in self.footprints)])
+        walkable = self.polygon.buffer(-PASSAGE_RADIUS_M, join_style="mitre")
+        return walkable.difference(things.buffer(PASSAGE_RADIUS_M - 0.02))
 
     def passable(self) -> bool:
         """Whether all entrances, all landings and all things are still joined by free floor."""
@@ -133,22 +131,8 @@ class RoomSpace:
         return (
             all(main.distance(entrance) < NEAR_M for entrance in self.entrances)
             and all(main.distance(thing) < REACH_M for thing, _ in self.footprints)
-            and self._landings_joined()
+            and all(main.distance(landing.centroid) < NEAR_M for landing in self._landings)
         )
-
-    def _landings_joined(self) -> bool:
-        """Whether one gets from the entrances to every flight, over its lowest step if need be."""
-        if not self._landings:
-            return True
-        steep = self._flights.difference(unary_union(self._landings).buffer(LOW_STEPS_M))
-        main = self._main_part(self._free(LANDING_RADIUS_M, steep))
-        return all(main.distance(landing.centroid) < NEAR_M for landing in self._landings)
-
-    def _free(self, radius_m: float, blocked: BaseGeometry) -> BaseGeometry:
-        """Where the centre of an agent of some radius can be."""
-        things = unary_union([blocked, *(footprint for footprint, _ in self.footprints)])
-        walkable = self.polygon.buffer(-radius_m, join_style="mitre")
-        return walkable.difference(things.buffer(radius_m - 0.02))
 
     def _main_part(self, free: BaseGeometry) -> Polygon:
         """The part of free floor at the first entrance, or else the largest; maybe empty."""
