@@ -65,7 +65,7 @@ _PRESETS: dict[str, dict[str, Any]] = {
     "paper": {},
     "default": {
         "decide_on_sight": True,
-        "map": {"stairwells": True, "clearing": {}},
+        "map": {"stairwells": True, "stairs_by_shape": True, "clearing": {}},
         "goal": {"evidence": {}, "glimpses": {}, "stop_distance_m": 0.92},
         "locomotion": {
             "planner": {

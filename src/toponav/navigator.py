@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from toponav.categories import canonical
 from toponav.config import NavigatorConfig
+from toponav.control.drops import ON_FLIGHT_M
 from toponav.control.guide import Guide
 from toponav.control.locomotion import Locomotion, Progress
 from toponav.control.planned_search import Hints, PlannedSearch, Standing
@@ -228,7 +229,7 @@ class Navigator:
         self._waypoint = self._plan(guidance, observation, view, reach)
         if self._waypoint is None:
             affordances = self._affordances(view, guidance)
-            self._waypoint = self._choose(affordances, reach)
+            self._waypoint = self._choose(affordances, view, reach)
         path = np.zeros((0, 2))
         if self._waypoint is not None:
             self._locomotion.go_to(self._waypoint)
@@ -313,9 +314,14 @@ class Navigator:
         s_node = self._memory.frontier_points_of(guidance.node_id, view)
         return exploration(view, s_dir, s_node, self._odometry.history, config)
 
-    def _choose(self, affordances: Affordances, reach: CostField) -> NDArray[np.float64] | None:
+    def _choose(
+        self, affordances: Affordances, view: MapView, reach: CostField
+    ) -> NDArray[np.float64] | None:
         """p_target among the points that can be walked to and have not just been tried in vain."""
         reachable = np.isfinite(reach.at(affordances.points[:, :2]))
+        if self._search is not None:  # whether to take a flight is not for A to say
+            on_floor = np.abs(affordances.points[:, 2] - view.floor_z) <= ON_FLIGHT_M
+            reachable &= on_floor | ~(reachable & on_floor).any()
         fresh = self._barren.admissible(affordances.points, self._decisions)
         waypoint = select_waypoint(affordances, reachable & fresh)
         return waypoint if waypoint is not None else select_waypoint(affordances, reachable)

@@ -111,7 +111,7 @@ class PlannedSearch:
         self._looks = Looks()
         self._left_floor: int | None = None
         self._landing = False
-        self._landed = np.full(3, np.inf)
+        self._landed: list[NDArray[np.float64]] = []
         self._revisiting = False
         self._storeys = Storeys()
         self.squeezes = False
@@ -145,11 +145,12 @@ class PlannedSearch:
             self._left_floor = None
             return None
         onward = landing(view, reach)
-        if onward is not None and np.hypot(*(onward - self._landed)[:2]) < SAME_LANDING_M:
+        if onward is not None and any(
+            np.hypot(*(onward - landed)[:2]) < SAME_LANDING_M for landed in self._landed
+        ):
             self._left_floor = None  # it is there, whatever the map knows of its height
             return None
         self._landing, self._waypoint = True, onward
-        self._landed = np.full(3, np.inf) if onward is None else onward
         return self._waypoint
 
     def set_out(
@@ -190,6 +191,7 @@ class PlannedSearch:
         self.squeezes = chosen in behind_gaps
         if chosen in stairs:
             self._left_floor = view.floor
+            self._landed.clear()
         return self._waypoint
 
     def revisit(
@@ -246,6 +248,8 @@ class PlannedSearch:
 
     def look(self, observation: Observation, view: MapView, walker: Locomotion) -> Action | None:
         """On arrival, the turn towards what is left of the frontier; None when that is seen."""
+        if self._landing and self._waypoint is not None:
+            self._landed.append(self._waypoint)
         action = self._drops.look(observation, view, walker, landing=self._landing)
         if action is not None:
             return action

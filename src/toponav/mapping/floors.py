@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from toponav.mapping.frontiers import FrontierMap
 from toponav.mapping.occupancy import FloorGrid
 from toponav.mapping.storage import lengthened
-from toponav.mapping.voxels import VoxelCloud, columns_of, find_slot
+from toponav.mapping.voxels import EMPTY, VoxelCloud, columns_of, find_slot
 
 
 class Layer(IntEnum):
@@ -260,7 +260,7 @@ def _mark(
     count = 0
     for row in range(wanted.size):
         slot = find_slot(table, keys, wanted[row])
-        if not marks[slot]:
+        if slot != EMPTY and not marks[slot]:
             marks[slot] = True
             new[count] = slot
             count += 1

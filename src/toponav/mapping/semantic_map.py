@@ -27,6 +27,7 @@ from toponav.config_model import ConfigModel
 from toponav.errors import ObservationError, StaleViewError
 from toponav.mapping.back_projection import PosedFrame
 from toponav.mapping.clearing import Clearing, ClearingConfig, Voxels
+from toponav.mapping.flight_finder import FlightFinder
 from toponav.mapping.flights import (
     beside_unknown,
     ends_of_flights,
@@ -120,6 +121,10 @@ class MapConfig(ConfigModel):
     interpolation says so, no gaps in flights, and the next floor as soon as it is seen from them.
     Not in the paper."""
 
+    stairs_by_shape: bool = False
+    """Take for stairs (the first of C_nav) what has their shape, though no detector names it. Not
+    in the paper."""
+
     drop_depth_m: float = Field(default=0.3, gt=0.0)
     """How far below the floor a line of sight must reach, metres: more than one step down."""
 
@@ -134,6 +139,8 @@ class MapConfig(ConfigModel):
             raise ValueError(
                 "heights must satisfy delta < obstacle_top_m < floor_separation_m - delta"
             )
+        if self.stairs_by_shape and not self.navigable_categories:
+            raise ValueError("stairs_by_shape needs a category in navigable_categories")
         return self
 
     @property
@@ -178,13 +185,14 @@ class SemanticMap:
         self._view: MapView | None = None
         self._frames = 0
         self._clearing = None if config.clearing is None else Clearing(config.clearing)
+        self._finder = FlightFinder() if config.stairs_by_shape else None
 
     @property
     def nbytes(self) -> int:
         """Memory that the map holds, bytes."""
         clouds = (self._scene, *self._objects.values())
-        watched = 0 if self._clearing is None else self._clearing.nbytes
-        return sum(cloud.nbytes for cloud in clouds) + self._layers.nbytes + watched
+        extras = (self._layers, self._clearing, self._finder)
+        return sum(part.nbytes for part in (*clouds, *extras) if part is not None)
 
     def integrate(self, observation: Observation, detections: Detections) -> FrameUpdate:
         """Add one observation.
@@ -213,6 +221,8 @@ class SemanticMap:
         labels = self._add_points(frame, detections)
         touched = self._scene.refresh()
         floor = self._enter_floor(observation, touched)
+        if self._find_flights(floor, touched):
+            labels = tuple(dict.fromkeys((*labels, self.config.navigable_categories[0])))
         self._layers.update(touched)
         navigable = touched[self._layers.are_navigable(touched, floor)]
         points = self._scene.arrays.points[navigable]
@@ -298,6 +308,28 @@ class SemanticMap:
             self._layers.mark_stairs(cloud.arrays.keys[touched])
         return True
 
+    def _find_flights(self, floor: Floor, touched: NDArray[np.int32]) -> bool:
+        """Label what has the shape of stairs; returns whether this frame shows any of it."""
+        if self._finder is None:
+            return False
+        points = self._scene.arrays.points[touched]
+        news = self._finder.look(floor.index, floor.z, points)
+        news |= self._finder.grow(points)
+        everything = np.arange(len(self._scene), dtype=np.int32)
+        slots = everything if news else touched
+        kept = self._finder.inside(self._scene.arrays.points[slots])
+        kept &= self._scene.arrays.counts[slots] > 0
+        own = slots[kept]
+        if not len(own):
+            return False
+        category = self.config.navigable_categories[0]
+        cloud = self._objects.setdefault(category, VoxelCloud(self.config.r_pcd))
+        cloud.add(self._scene.arrays.points[own], self._scene.arrays.colors[own])
+        cloud.refresh()
+        self._layers.mark_stairs(self._scene.arrays.keys[own])
+        self._layers.update(own)
+        return True
+
     def _enter_floor(self, observation: Observation, touched: NDArray[np.int32]) -> Floor:
         """The floor that the agent is on: the nearest one, until it stands on another.
 
@@ -332,11 +364,16 @@ class SemanticMap:
         about = points_near(self._scene.arrays.points[: len(self._scene)], foot)
         treads = self._scene.arrays.points[self._layers.stairs(self._floor)]
         for z in heights_ahead(foot, about, treads):
-            apart = min(abs(floor.z - z) for floor in self._layers.floors)
-            is_new = apart > config.floor_separation_m
-            known = about if 0.0 <= foot[2] - z <= NEAR_END_M else points
-            if is_new and level_area_m2(known, z, config.r_pcd) >= config.level_area_m2:
-                return height_of(known, z)
+            if min(abs(floor.z - z) for floor in self._layers.floors) <= config.floor_separation_m:
+                continue
+            is_level = level_area_m2(about, z, config.r_pcd) >= config.level_area_m2
+            ends_here = 0.0 <= foot[2] - z <= NEAR_END_M
+            if is_level and ends_here:
+                return height_of(about, z)
+            if level_area_m2(points, z, config.r_pcd) >= config.level_area_m2:
+                return height_of(points, z)
+            if is_level and z < foot[2]:
+                return None  # what is level above the lowest is a seat or a table
         return None
 
     def _new_floor(self, index: int, z: float) -> Floor:
