@@ -75,6 +75,10 @@ STOOD_APART_M = 0.1
 """Of places nearer to each other than this, metres, one is remembered."""
 
 
+BACK_M, BACK_RAD = (0.15, 0.3), 0.15
+"""A place so far off, metres, is a step back; that near to its bearing, radians, one goes there."""
+
+
 class BumpMemory:
     """Remembers where forward steps were cut short.
 
@@ -117,16 +121,22 @@ class BumpMemory:
         return bool(about.sum() > 1 and grazes[about].all())
 
     def barring(self, xy: ArrayLike, grid: OccupancyGrid) -> HeadingBarred:
-        """Tells the headings at which a forward step from (2,) xy would be blocked again."""
+        """Tells the headings at which a forward step from (2,) xy would be blocked again.
+
+        Where it came from it can go back, whatever it has bumped into beside that way.
+        """
         config = self._config
         distance = self._away(xy)
         touching = ~self._explained(grid) & (distance <= config.touching_m)
         limit = np.radians(np.where(touching, config.wall_angle_deg, config.bump_angle_deg))
-        limit = np.where(distance <= config.bump_radius_m, limit, -1.0)
+        near = distance <= config.bump_radius_m
+        back = self._ways_back(xy)
 
         def barred(heading: float) -> bool:
-            turn = np.remainder(self._bumps[:, 2] - heading + np.pi, 2.0 * np.pi) - np.pi
-            return bool((np.abs(turn) <= limit).any())
+            turn = np.abs(_turns(self._bumps[:, 2], heading))
+            if (np.abs(_turns(back, heading)) <= BACK_RAD).any():
+                return bool((near & (turn <= SAME_RAD)).any())
+            return bool((near & (turn <= limit)).any())
 
         return barred
 
@@ -143,6 +153,14 @@ class BumpMemory:
         away, _ = cKDTree(stood).query(contact)
         unvisited: NDArray[np.float64] = contact[away > self._config.body_m]
         return unvisited
+
+    def _ways_back(self, xy: ArrayLike) -> NDArray[np.float64]:
+        """(K,) headings from (2,) xy to where the agent stood a step ago or so, radians."""
+        offset = np.array(list(self._stood.values())).reshape(-1, 2) - np.asarray(xy, np.float64)
+        away = np.hypot(offset[:, 0], offset[:, 1])
+        offset = offset[(away >= BACK_M[0]) & (away <= BACK_M[1])]
+        headings: NDArray[np.float64] = np.arctan2(offset[:, 1], offset[:, 0])
+        return headings
 
     def _away(self, xy: ArrayLike) -> NDArray[np.float64]:
         """(N,) distance of the bumps from (2,) xy, metres."""
@@ -239,3 +257,9 @@ class BarrenWaypoints:
                 offset = points[:, :2] - waypoint
                 allowed &= np.hypot(offset[:, 0], offset[:, 1]) > self._config.barren_radius_m
         return allowed
+
+
+def _turns(to: NDArray[np.float64], heading: float) -> NDArray[np.float64]:
+    """(N,) turns from a heading to others, radians, in [-pi, pi)."""
+    turns: NDArray[np.float64] = np.remainder(to - heading + np.pi, 2.0 * np.pi) - np.pi
+    return turns

@@ -33,6 +33,9 @@ the floor itself."""
 FLIGHT_END_M = 0.3
 """Treads this much below the highest of a flight, or above its lowest, are not its end."""
 
+HIDDEN_TREAD_M = 0.45
+"""Who looks down a flight from its head sees the second tread before the first: two risers down."""
+
 NEIGHBOURS = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
 
 
@@ -127,10 +130,14 @@ def _fill(
     tread = heights[tuple(nearest)]
     guessed &= (tread < LOWEST_TREAD_M) | (tread > FLIGHT_END_M)  # before a flight's foot is floor
     cells = np.where(guessed & ~treads, np.int8(DROP), cells)
-    step = treads & (np.abs(heights) <= FLIGHT_END_M)
+    step = treads & (heights <= FLIGHT_END_M) & (heights >= -HIDDEN_TREAD_M)
     steps = round(0.5 * STEP_GAP_M / resolution)
     foot = _closed(step | (floor & (cells == FREE)), steps)
-    foot &= open_cells & (distance_transform_edt(~step) <= 2 * steps)
+    away, nearest = distance_transform_edt(~step, return_indices=True)
+    foot &= open_cells & (away <= 2 * steps)
+    # A tread that no image showed is on the way from the floor to the next one.
+    slope = heights[tuple(nearest)] * (1.0 - away / (2 * steps + 1))
+    heights = np.where(foot & ~treads, slope.astype(np.float32), heights)
     return np.where(filled | foot, np.int8(FREE), cells), heights
 
 
