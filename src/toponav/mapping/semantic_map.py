@@ -39,6 +39,7 @@ from toponav.mapping.frontiers import FrontierMap
 from toponav.mapping.ground import height_of, heights_ahead, level_area_m2, points_near
 from toponav.mapping.interpolation import Spacing, disc, interpolate
 from toponav.mapping.occupancy import FloorGrid
+from toponav.mapping.surroundings import Surroundings
 from toponav.mapping.view import (
     FREE,
     DeferredCloud,
@@ -173,6 +174,7 @@ class SemanticMap:
         config = self.config
         self._scene = VoxelCloud(config.r_pcd)
         self._objects: dict[str, VoxelCloud] = {}
+        self._surroundings = Surroundings(self._objects)
         self._layers = FloorLayers(self._scene, config.delta, config.obstacle_top_m)
         self._floor: Floor | None = None
         self._view: MapView | None = None
@@ -184,7 +186,8 @@ class SemanticMap:
         """Memory that the map holds, bytes."""
         clouds = (self._scene, *self._objects.values())
         watched = 0 if self._clearing is None else self._clearing.nbytes
-        return sum(cloud.nbytes for cloud in clouds) + self._layers.nbytes + watched
+        kept = self._layers.nbytes + self._surroundings.nbytes
+        return sum(cloud.nbytes for cloud in clouds) + kept + watched
 
     def integrate(self, observation: Observation, detections: Detections) -> FrameUpdate:
         """Add one observation.
@@ -212,6 +215,7 @@ class SemanticMap:
         frame = PosedFrame(observation, window)
         labels = self._add_points(frame, detections)
         touched = self._scene.refresh()
+        self._surroundings.changed(self._scene.arrays.points, touched)
         floor = self._enter_floor(observation, touched)
         self._layers.update(touched)
         navigable = touched[self._layers.are_navigable(touched, floor)]
@@ -285,6 +289,7 @@ class SemanticMap:
                 found = cloud.find(keys)
                 cloud.clear(found[found != EMPTY])
             self._layers.update(gone)
+            self._surroundings.changed(slots.points, gone)
         return slots.points[gone]
 
     def _add(self, label: str, sums: FrameSums, bit: int) -> bool:
@@ -425,6 +430,7 @@ class SemanticMap:
             grid=grid,
             floor_z=floor.z,
             floor=floor.index,
+            object_search=self._surroundings,
         )
 
     def _deferred(self, make: Callable[[], PointCloud]) -> PointCloud:
