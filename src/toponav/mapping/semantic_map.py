@@ -392,8 +392,10 @@ class SemanticMap:
 
     def _add_bridges(self, floor: Floor, points: NDArray[np.float64]) -> None:
         columns = np.floor(points[:, :2] / self.config.r_pcd).astype(np.int64)
-        floor.bridges.add(points[floor.grid.bridge(columns)])
-        floor.bridges.refresh()
+        new = floor.grid.bridge(columns)
+        if new.any():
+            floor.bridges.add(points[new])
+            floor.bridges.refresh()
 
     def _make_view(self) -> MapView:
         slots = self._scene.slots()

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from toponav.mapping.nearby import NearObjects, near_objects
 from toponav.mapping.storage import lengthened
-from toponav.mapping.voxels import AXIS_BITS, AXIS_MASK, AXIS_OFFSET, VoxelCloud
+from toponav.mapping.voxels import VoxelCloud, column_of
 
 BLOCK = 128
 """Voxels of a block."""
@@ -170,7 +170,7 @@ def _extend(bounds: NDArray[np.int32], keys: NDArray[np.int64], start: int, end:
     """
     for slot in range(start, end):
         bound = bounds[slot // BLOCK]
-        x, y = _column(keys[slot])
+        x, y = column_of(keys[slot])
         if slot % BLOCK == 0:
             bound[0], bound[1], bound[2], bound[3] = x, y, x, y
         else:
@@ -200,16 +200,9 @@ def _gathered(
     found = 0
     for block in near[:count]:
         for slot in range(block * BLOCK, min(size, (block + 1) * BLOCK)):
-            x, y = _column(keys[slot])
+            x, y = column_of(keys[slot])
             if counts[slot] and low_x <= x <= high_x and low_y <= y <= high_y:
                 for axis in range(3):
                     within[found, axis] = points[slot, axis]
                 found += 1
     return within[:found]
-
-
-@njit(cache=True)
-def _column(key: int) -> tuple[int, int]:
-    """Integer x and y of a packed key."""
-    x = ((key >> (2 * AXIS_BITS)) & AXIS_MASK) - AXIS_OFFSET
-    return x, ((key >> AXIS_BITS) & AXIS_MASK) - AXIS_OFFSET
