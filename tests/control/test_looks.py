@@ -24,7 +24,8 @@ def looks_from(*poses: tuple[float, float, float, float]) -> Looks:
 
 
 def nearest(*poses: tuple[float, float, float, float], within_m: float = 5.0) -> float:
-    return looks_from(*poses).nearest_m(PLACE, ROOMS, within_m)
+    (metres,) = looks_from(*poses).nearest_m(PLACE[None], ROOMS, within_m)
+    return float(metres)
 
 
 def test_the_nearest_look_counts() -> None:
@@ -46,4 +47,10 @@ def test_what_did_not_show_the_place_is_no_look_at_it(pose) -> None:
 
 def test_looks_from_afar_do_not_matter() -> None:
     assert nearest((0.75, 0.75, 0.0, 0.0), within_m=1.0) == math.inf
-    assert looks_from().nearest_m(PLACE, ROOMS, 1.0) == math.inf
+    assert looks_from().nearest_m(PLACE[None], ROOMS, 1.0).tolist() == [math.inf]
+
+
+def test_each_place_has_its_own_looks() -> None:
+    here = (1.5, 0.75, 0.0, 0.0)
+    places = np.array([PLACE, (2.0, 1.75), (2.25, 0.75)])  # the second behind the wall
+    assert looks_from(here).nearest_m(places, ROOMS, 5.0) == pytest.approx([0.5, math.inf, 0.75])

@@ -14,6 +14,7 @@ from toponav.control.shortest_paths import (
     NEIGHBOURS,
     NO_PARENT,
     costs_between,
+    ground_of,
     shortest_paths,
 )
 
@@ -60,15 +61,15 @@ def random_case(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("seed", range(25))
 def test_costs_are_scipys(seed: int) -> None:
-    case = random_case(seed)
-    cost, _ = shortest_paths(*case, EVERYWHERE)
-    np.testing.assert_allclose(cost, scipy_costs(*case), rtol=1e-12)
+    traversable, cell_cost, seeds = random_case(seed)
+    cost, _ = shortest_paths(ground_of(traversable, cell_cost), seeds, EVERYWHERE)
+    np.testing.assert_allclose(cost, scipy_costs(traversable, cell_cost, seeds), rtol=1e-12)
 
 
 @pytest.mark.parametrize("seed", range(25))
 def test_following_the_parents_costs_what_the_field_says(seed: int) -> None:
     traversable, cell_cost, seeds = random_case(seed)
-    cost, parent = shortest_paths(traversable, cell_cost, seeds, EVERYWHERE)
+    cost, parent = shortest_paths(ground_of(traversable, cell_cost), seeds, EVERYWHERE)
     columns = traversable.shape[1]
     for i, j in np.argwhere(np.isfinite(cost)):
         total, cell = 0.0, (int(i), int(j))
@@ -82,11 +83,9 @@ def test_following_the_parents_costs_what_the_field_says(seed: int) -> None:
 
 
 def test_the_order_of_the_seeds_does_not_matter() -> None:
-    traversable, cell_cost = np.ones((15, 15), np.bool_), np.ones((15, 15))
+    ground = ground_of(np.ones((15, 15), np.bool_), np.ones((15, 15)))
     seeds = np.array([(0, 0), (14, 14), (0, 14)])
-    forward, backward = (
-        shortest_paths(traversable, cell_cost, s, EVERYWHERE) for s in (seeds, seeds[::-1])
-    )
+    forward, backward = (shortest_paths(ground, s, EVERYWHERE) for s in (seeds, seeds[::-1]))
     np.testing.assert_array_equal(forward[0], backward[0])
     np.testing.assert_array_equal(forward[1], backward[1])
 
@@ -94,27 +93,26 @@ def test_the_order_of_the_seeds_does_not_matter() -> None:
 @pytest.mark.parametrize("seed", range(25))
 def test_a_search_that_ends_early_agrees_as_far_as_it_went(seed: int) -> None:
     traversable, cell_cost, seeds = random_case(seed)
-    everything, parents = shortest_paths(traversable, cell_cost, seeds, EVERYWHERE)
+    ground = ground_of(traversable, cell_cost)
+    everything, parents = shortest_paths(ground, seeds, EVERYWHERE)
     wanted = np.argwhere(np.isfinite(everything))[-3:]
-    cost, parent = shortest_paths(traversable, cell_cost, seeds, (wanted, 0.5))
+    cost, parent = shortest_paths(ground, seeds, (wanted, 0.5))
     limit = everything[tuple(wanted.T)].max(initial=-np.inf) + 0.5 if len(wanted) else np.inf
     np.testing.assert_array_equal(cost, np.where(everything <= limit, everything, np.inf))
     np.testing.assert_array_equal(parent, np.where(everything <= limit, parents, NO_PARENT))
 
 
 def test_no_seed_reaches_nothing() -> None:
-    cost, parent = shortest_paths(
-        np.ones((4, 5), np.bool_), np.ones((4, 5)), np.zeros((0, 2), np.int64), EVERYWHERE
-    )
+    ground = ground_of(np.ones((4, 5), np.bool_), np.ones((4, 5)))
+    cost, parent = shortest_paths(ground, np.zeros((0, 2), np.int64), EVERYWHERE)
     assert np.isinf(cost).all()
     assert (parent == NO_PARENT).all()
 
 
 def test_lengths_stay_within_three_percent_of_straight_ones() -> None:
     n = 61
-    cost, _ = shortest_paths(
-        np.ones((n, n), np.bool_), np.ones((n, n)), np.array([(n // 2, n // 2)]), EVERYWHERE
-    )
+    ground = ground_of(np.ones((n, n), np.bool_), np.ones((n, n)))
+    cost, _ = shortest_paths(ground, np.array([(n // 2, n // 2)]), EVERYWHERE)
     i, j = np.indices((n, n)) - n // 2
     straight = np.hypot(i, j)
     assert (cost >= straight - 1e-9).all()
@@ -131,8 +129,10 @@ def test_costs_between_cells_are_those_of_searches_from_each(seed: int, within: 
     traversable, cell_cost, cells = random_case(seed)
     cells = np.vstack([cells, cells[:1]])
     limits = np.full((len(cells), len(cells)), within)
-    between = costs_between(traversable, cell_cost, cells, limits)
+    ground = ground_of(traversable, cell_cost)
+    known, _ = shortest_paths(ground, np.argwhere(traversable)[:1], EVERYWHERE)
+    between = costs_between(ground, cells, limits, known)
     for k, cell in enumerate(cells):
-        cost, _ = shortest_paths(traversable, cell_cost, cell[None], EVERYWHERE)
+        cost, _ = shortest_paths(ground, cell[None], EVERYWHERE)
         expected = cost[tuple(cells.T)]
         np.testing.assert_allclose(between[k], np.where(expected <= within, expected, np.inf))

@@ -34,6 +34,12 @@ def found_frontiers(grid: FloorGrid, frontiers: FrontierMap) -> list[frozenset[t
     return [frozenset(map(tuple, cells[labels == k].tolist())) for k in range(count)]
 
 
+def change(grid: FloorGrid, columns: NDArray[np.int64], navigable: int, obstacles: int) -> None:
+    """As many voxels over each of some columns."""
+    each = (np.full(len(columns), count, np.int8) for count in (navigable, obstacles))
+    grid.change(columns, *each)
+
+
 def random_cells(rng: np.random.Generator, size: int, count: int) -> NDArray[np.int64]:
     """A blob of cells around a random place."""
     center = rng.integers(-size, size, 2)
@@ -48,11 +54,11 @@ def test_incremental_frontiers_are_those_of_the_whole_grid(seed: int, clearance:
     frontiers = FrontierMap(grid, clearance, min_cells=3)
     obstacles: list[NDArray[np.int64]] = []
     for step in range(12):
-        grid.change(random_cells(rng, 40 * (1 + step // 4), 150), navigable=1, obstacles=0)
+        change(grid, random_cells(rng, 40 * (1 + step // 4), 150), navigable=1, obstacles=0)
         obstacles.append(random_cells(rng, 40, 30))
-        grid.change(obstacles[-1], navigable=0, obstacles=1)
+        change(grid, obstacles[-1], navigable=0, obstacles=1)
         if step % 3 == 2:
-            grid.change(obstacles.pop(0), navigable=0, obstacles=-1)
+            change(grid, obstacles.pop(0), navigable=0, obstacles=-1)
         if step % 2:
             expected = reference_frontiers(grid.snapshot(), clearance, 3)
             assert found_frontiers(grid, frontiers) == expected
@@ -77,7 +83,7 @@ def test_beyond_the_edges_of_the_storage_all_is_unknown(
 def test_a_free_square_in_the_unknown_is_bordered_by_one_frontier() -> None:
     grid = FloorGrid(RESOLUTION, 1, 1)
     i, j = np.mgrid[10:15, -3:2]
-    grid.change(np.column_stack([i.ravel(), j.ravel()]), navigable=1, obstacles=0)
+    change(grid, np.column_stack([i.ravel(), j.ravel()]), navigable=1, obstacles=0)
     centers, labels = FrontierMap(grid, 1, 1).find()
     assert len(centers) == 16
     assert set(labels.tolist()) == {0}
@@ -87,9 +93,9 @@ def test_a_free_square_in_the_unknown_is_bordered_by_one_frontier() -> None:
 
 def test_small_frontiers_and_those_beside_obstacles_are_dropped() -> None:
     grid = FloorGrid(RESOLUTION, 1, 1)
-    grid.change(np.array([[0, 0], [0, 1]]), navigable=1, obstacles=0)
-    grid.change(np.array([[20, k] for k in range(6)]), navigable=1, obstacles=0)
-    grid.change(np.array([[21, 0]]), navigable=0, obstacles=1)
+    change(grid, np.array([[0, 0], [0, 1]]), navigable=1, obstacles=0)
+    change(grid, np.array([[20, k] for k in range(6)]), navigable=1, obstacles=0)
+    change(grid, np.array([[21, 0]]), navigable=0, obstacles=1)
     centers, _ = FrontierMap(grid, 1, 3).find()
     np.testing.assert_allclose(centers[:, 1], [0.25, 0.35, 0.45, 0.55])
     np.testing.assert_allclose(centers[:, 0], 2.05)
@@ -103,23 +109,23 @@ def test_cells_follow_the_counts_and_obstacles_win() -> None:
         snapshot = grid.snapshot()
         return int(snapshot.cells[tuple(snapshot.index_of((0.35, -0.35)))])
 
-    grid.change(cell, navigable=1, obstacles=0)
+    change(grid, cell, navigable=1, obstacles=0)
     assert value() == FREE
-    grid.change(cell, navigable=0, obstacles=1)
+    change(grid, cell, navigable=0, obstacles=1)
     assert value() == FREE
-    grid.change(cell, navigable=0, obstacles=1)
+    change(grid, cell, navigable=0, obstacles=1)
     assert value() == OCCUPIED
-    grid.change(cell, navigable=0, obstacles=-1)
+    change(grid, cell, navigable=0, obstacles=-1)
     assert value() == FREE
-    grid.change(cell, navigable=-1, obstacles=0)
+    change(grid, cell, navigable=-1, obstacles=0)
     assert value() == UNKNOWN
 
 
 def test_the_snapshot_covers_what_was_observed_and_no_more() -> None:
     grid = FloorGrid(RESOLUTION, 1, 1)
     assert grid.snapshot().cells.shape == (0, 0)
-    grid.change(np.array([[-200, 5], [300, 7]]), navigable=1, obstacles=0)
-    grid.change(np.array([[10, -50]]), navigable=0, obstacles=1)
+    change(grid, np.array([[-200, 5], [300, 7]]), navigable=1, obstacles=0)
+    change(grid, np.array([[10, -50]]), navigable=0, obstacles=1)
     snapshot = grid.snapshot()
     assert snapshot.cells.shape == (501, 58)
     assert snapshot.origin == pytest.approx((-20.0, -5.0))
@@ -131,15 +137,15 @@ def test_the_snapshot_covers_what_was_observed_and_no_more() -> None:
 
 def test_a_snapshot_does_not_change_with_the_grid() -> None:
     grid = FloorGrid(RESOLUTION, 1, 1)
-    grid.change(np.array([[0, 0]]), navigable=1, obstacles=0)
+    change(grid, np.array([[0, 0]]), navigable=1, obstacles=0)
     snapshot = grid.snapshot()
-    grid.change(np.array([[0, 0]]), navigable=0, obstacles=1)
+    change(grid, np.array([[0, 0]]), navigable=0, obstacles=1)
     assert snapshot.cells[0, 0] == FREE
 
 
 def test_a_cell_spans_several_columns_on_either_side_of_the_origin() -> None:
     grid = FloorGrid(RESOLUTION, 2, 1)
-    grid.change(np.array([[-1, 0], [2, 3]]), navigable=1, obstacles=0)
+    change(grid, np.array([[-1, 0], [2, 3]]), navigable=1, obstacles=0)
     snapshot = grid.snapshot()
     assert snapshot.origin == pytest.approx((-0.1, 0.0))
     assert snapshot.cells.tolist() == [[FREE, UNKNOWN], [UNKNOWN, UNKNOWN], [UNKNOWN, FREE]]
@@ -147,7 +153,7 @@ def test_a_cell_spans_several_columns_on_either_side_of_the_origin() -> None:
 
 def test_bridges_fill_only_columns_without_observed_floor_and_once() -> None:
     grid = FloorGrid(RESOLUTION, 2, 1)
-    grid.change(np.array([[0, 0]]), navigable=1, obstacles=0)
+    change(grid, np.array([[0, 0]]), navigable=1, obstacles=0)
     columns = np.array([[0, 0], [0, 1], [0, 1], [5, 5]])
     assert grid.bridge(columns).tolist() == [False, True, False, True]
     assert grid.bridge(columns).tolist() == [False, False, False, False]
@@ -156,5 +162,5 @@ def test_bridges_fill_only_columns_without_observed_floor_and_once() -> None:
     assert covered.tolist() == [[False] * 3, [False, True, True], [False] * 3]
     snapshot = grid.snapshot()
     assert snapshot.cells[0, 0] == snapshot.cells[2, 2] == FREE
-    grid.change(np.array([[5, 5]]), navigable=0, obstacles=1)
+    change(grid, np.array([[5, 5]]), navigable=0, obstacles=1)
     assert grid.snapshot().cells[2, 2] == OCCUPIED

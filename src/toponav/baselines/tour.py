@@ -76,7 +76,7 @@ class TourAgent(FrontierSearch):
         del observation, view
         places = np.stack([cluster.nearest for cluster in clusters])
         planner = Planner(self._config.locomotion.planner)
-        between = planner.costs_between(reach.clearance, places)
+        between = planner.costs_between(reach, places)
         first = open_tour(reach.at(places), between)[0]
         return clusters[first].nearest
 

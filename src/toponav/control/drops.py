@@ -89,8 +89,10 @@ class DropEdges:
     def _edges(self, view: MapView, reach: CostField) -> list[DropEdge]:
         """The edges of the floor."""
         drop = view.grid.cells == DROP
+        if not drop.any():
+            return []
         standing = np.argwhere(np.isfinite(reach.cost))
-        if not drop.any() or not len(standing):
+        if not len(standing):
             return []
         spots, cost = view.grid.center_of(standing), reach.cost[standing[:, 0], standing[:, 1]]
         news = np.array([not self._is_known(spot, view.floor) for spot in spots], np.bool_)

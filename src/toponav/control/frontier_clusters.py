@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,15 +61,20 @@ def frontier_clusters(
     cost = reach.at(view.frontiers[:, :2])
     if admissible is not None:
         cost = np.where(admissible, cost, np.inf)
+    order = np.argsort(view.frontier_labels, kind="stable")
+    frontiers, labels, cost = view.frontiers[order], view.frontier_labels[order], cost[order]
+    reachable = np.isfinite(cost)
+    bounds = [*np.flatnonzero(np.diff(labels, prepend=-1)), len(labels)]
     clusters = []
-    for label in np.unique(view.frontier_labels[np.isfinite(cost)]):
-        rows = np.flatnonzero(view.frontier_labels == label)
-        best = rows[np.argmin(cost[rows])]
+    for start, end in pairwise(bounds):
+        if not reachable[start:end].any():
+            continue
+        best = start + np.argmin(cost[start:end])
         clusters.append(
             FrontierCluster(
-                cells=view.frontiers[rows, :2],
-                reachable=np.isfinite(cost[rows]),
-                nearest=view.frontiers[best],
+                cells=frontiers[start:end, :2],
+                reachable=reachable[start:end],
+                nearest=frontiers[best],
                 path_cost=float(cost[best]),
             )
         )

@@ -62,6 +62,7 @@ class Locomotion:
         self._goals = np.zeros((0, 2))
         self._walked: tuple[NDArray[np.float64], CostField] | None = None
         self._clearance: Clearance | None = None
+        self._to_goals: CostField | None = None
         self._squeezing = False
         self._threading: deque[Action] = deque()
         self._in_gap = False
@@ -70,7 +71,7 @@ class Locomotion:
     def observe(self, observation: Observation) -> None:
         """Learn from the last action; call once a step, before anything else."""
         self._walked = None
-        self._clearance = None
+        self._clearance = self._to_goals = None
         self._bumps.stand(observation.world_from_base.translation)
         if observation.collided:
             self._bumps.add(observation.world_from_base)
@@ -104,6 +105,7 @@ class Locomotion:
     def redirect(self, goals: NDArray[np.floating]) -> None:
         """Walk to other goals; steps without progress count on, so that it cannot go on forever."""
         self._goals = np.atleast_2d(np.asarray(goals, dtype=np.float64))[:, :2]
+        self._to_goals = None
         self.progress = Progress.WALKING
 
     def path(self, observation: Observation, grid: OccupancyGrid) -> NDArray[np.float64]:
@@ -193,6 +195,9 @@ class Locomotion:
         return self._follower.face(observation.world_from_base, point_xy)
 
     def _field(self, observation: Observation, grid: OccupancyGrid) -> CostField:
+        """Cost-to-go to the goals; worked out once a step, however often it is asked for."""
         here = observation.world_from_base.translation[None, :2]
         clearance = self.clearance(observation, grid)
-        return self._planner.cost_field(clearance, self._goals, here, NEARBY_M)
+        if self._to_goals is None or self._to_goals.clearance is not clearance:
+            self._to_goals = self._planner.cost_field(clearance, self._goals, here, NEARBY_M)
+        return self._to_goals

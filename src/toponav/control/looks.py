@@ -30,24 +30,33 @@ class Looks:
         x, y, z = world_from_base.translation.tolist()
         self._looks.append((x, y, z, world_from_base.yaw))
 
-    def nearest_m(self, place: NDArray[np.float64], view: MapView, within_m: float) -> float:
-        """From how near a place on the floor was in sight, metres.
+    def nearest_m(
+        self, places: NDArray[np.float64], view: MapView, within_m: float
+    ) -> NDArray[np.float64]:
+        """From how near places on the floor were in sight.
 
         Args:
-            place: (2,) world frame, metres.
-            view: The map, whose obstacles hide the place.
+            places: (N, 2) world frame, metres.
+            view: The map, whose obstacles hide places.
             within_m: Looks from farther off do not matter.
 
         Returns:
-            Infinity where no look from within that distance showed the place.
+            (N,) metres; infinity where no look from within that distance showed the place.
         """
+        nearest = np.full(len(places), np.inf)
         x, y, z, yaw = np.array(self._looks).reshape(-1, 4).T
-        away = np.hypot(place[0] - x, place[1] - y)
-        aside = np.arctan2(place[1] - y, place[0] - x) - yaw
+        east, north = places[:, :1] - x, places[:, 1:] - y
+        away = np.hypot(east, north)
+        place, look = np.nonzero((away <= within_m) & (np.abs(z - view.floor_z) <= SAME_STOREY_M))
+        aside = np.arctan2(north[place, look], east[place, look]) - yaw[look]
         shown = np.abs((aside + np.pi) % math.tau - np.pi) <= HALF_VIEW_RAD
-        shown &= (away <= within_m) & (np.abs(z - view.floor_z) <= SAME_STOREY_M)
-        if not shown.any():
-            return math.inf
-        eyes = np.stack([x, y], axis=-1)[shown]
-        hidden = lines_through(view.grid.cells == OCCUPIED, place, eyes, view.grid)
-        return float(away[shown][~hidden].min(initial=math.inf))
+        place, look = place[shown], look[shown]
+        if not len(place):
+            return nearest
+        obstacles = view.grid.cells == OCCUPIED
+        for k in np.unique(place):
+            looks = look[place == k]
+            eyes = np.stack([x[looks], y[looks]], axis=-1)
+            hidden = lines_through(obstacles, places[k], eyes, view.grid)
+            nearest[k] = away[k, looks][~hidden].min(initial=math.inf)
+        return nearest

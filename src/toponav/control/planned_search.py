@@ -208,9 +208,9 @@ class PlannedSearch:
         """
         self.leave()
         cost = reach.at(places)
+        seen_m = self._looks.nearest_m(places, view, self._config.revisit_m)
         for k in np.argsort(cost, kind="stable"):
-            unseen = math.isinf(self._looks.nearest_m(places[k], view, self._config.revisit_m))
-            if unseen and math.isfinite(cost[k]):
+            if math.isinf(seen_m[k]) and math.isfinite(cost[k]):
                 self._waypoint = np.array([*places[k], view.floor_z])
                 self._revisiting = True
                 return self._waypoint

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numba import njit
@@ -18,7 +19,9 @@ from toponav.control.obstacle_distance import obstacle_distance
 from toponav.control.shortest_paths import (
     EVERYWHERE,
     NO_PARENT,
+    Ground,
     costs_between,
+    ground_of,
     shortest_paths,
 )
 from toponav.mapping.view import DROP, FREE, OCCUPIED, OccupancyGrid
@@ -81,6 +84,11 @@ class Clearance:
     distance_m: NDArray[np.float64]
     traversable: NDArray[np.bool_]
     step_cost: NDArray[np.float64]
+
+    @cached_property
+    def ground(self) -> Ground:
+        """The same for searches, all of which share it."""
+        return ground_of(self.traversable, self.step_cost * self.grid.resolution)
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,31 +236,28 @@ class Planner:
         if wanted_xy is not None:
             wanted = np.atleast_2d(grid.index_of(wanted_xy))
             until = (wanted, margin_m) if grid.contains(wanted).all() else EVERYWHERE
-        step_cost = clearance.step_cost * grid.resolution
-        goal_cells = grid.index_of(fitted)
-        cost, parent = shortest_paths(clearance.traversable, step_cost, goal_cells, until)
+        cost, parent = shortest_paths(clearance.ground, grid.index_of(fitted), until)
         return CostField(clearance, fitted, cost, parent)
 
     def costs_between(
-        self, clearance: Clearance, places: NDArray[np.float64], within: ArrayLike = math.inf
+        self, reach: CostField, places: NDArray[np.float64], within: ArrayLike = math.inf
     ) -> NDArray[np.float64]:
         """(N, N) costs of the ways between (N, 2 or 3) places; infinite without one.
 
         Args:
-            clearance: Where the agent fits.
+            reach: Costs to every cell from anywhere, which tell what cannot be near.
             places: World frame, metres.
             within: Ways that cost more than this may be left out, which saves most of the work in
                 a large map: one cost, or a symmetric (N, N) of them.
         """
-        grid = clearance.grid
+        clearance, grid = reach.clearance, reach.clearance.grid
         fitted = [self._fit(clearance, place[:2]) for place in places]
         known = [k for k, place in enumerate(fitted) if place is not None]
         cells = grid.index_of(np.array([fitted[k] for k in known]).reshape(-1, 2))
         between = np.full((len(places), len(places)), np.inf)
-        step_cost = clearance.step_cost * grid.resolution
         limits = np.broadcast_to(np.asarray(within, np.float64), between.shape)
         pairs = np.ix_(known, known)
-        between[pairs] = costs_between(clearance.traversable, step_cost, cells, limits[pairs])
+        between[pairs] = costs_between(clearance.ground, cells, limits[pairs], reach.cost)
         return between
 
     def _fit(

@@ -16,7 +16,6 @@ from toponav.control.expected_arrival import MAX_PLACES, soonest_order
 from toponav.control.frontier_clusters import FrontierCluster
 from toponav.control.looks import Looks
 from toponav.control.planner import CostField, Planner
-from toponav.geometry.neighbourhoods import Neighbourhoods
 from toponav.mapping.unknown_area import unknown_area_m2
 from toponav.mapping.view import MapView
 from toponav.policy.decision import WeighedFrontier
@@ -141,11 +140,13 @@ def ranked_frontiers(
     """
     frontiers, stairs = places
     objects = _objects_near(frontiers, belief, view, config)
+    middles = np.array([frontier.middle for frontier in frontiers]).reshape(-1, 2)
+    looked_m = belief.looks.nearest_m(middles, view, FAR_LOOK * config.looked_m)
     is_guided = np.zeros(view.grid.cells.shape, np.bool_)
     is_guided[tuple(_cells_of(belief.guided, view).T)] = True
     weighed = [
-        _weigh(frontier, near, is_guided, belief, view, config)
-        for frontier, near in zip(frontiers, objects, strict=True)
+        _weigh(frontier, (near, looked), is_guided, belief, view, config)
+        for frontier, near, looked in zip(frontiers, objects, looked_m.tolist(), strict=True)
     ]
     for glimpse in belief.glimpses if frontiers else ():
         k = _leading_to(glimpse.place[None], frontiers)
@@ -161,7 +162,7 @@ def ranked_frontiers(
     extra = beyond[kept, None] + beyond[kept]
     by_the_agent = cost[kept, None] + cost[kept]
     within = np.minimum(by_the_agent - extra, config.between)
-    between = planner.costs_between(reach.clearance, stands, within) + extra
+    between = planner.costs_between(reach, stands, within) + extra
     between = np.minimum(between, by_the_agent)
     between[~np.isfinite(between)] = UNREACHABLE_M
     order = soonest_order(cost[kept], between, chance[kept])
@@ -213,26 +214,26 @@ def _objects_near(
     clusters: Sequence[FrontierCluster], belief: Belief, view: MapView, config: SearchPlanConfig
 ) -> list[dict[str, float]]:
     """For each frontier: how far off those categories are that are near it on this storey."""
-    near: list[dict[str, float]] = [{} for _ in clusters]
     waypoints = np.array([cluster.nearest[:2] for cluster in clusters]).reshape(-1, 2)
-    around = Neighbourhoods(waypoints, config.seen_radius_m)
     storey = (view.floor_z + STOREY_M[0], view.floor_z + STOREY_M[1])
-    for category in belief.affinity:
-        distances = around.near(view.objects[category].points, storey).distances
-        for k in np.flatnonzero(np.isfinite(distances)):
-            near[k][category] = float(distances[k])
-    return near
+    found = view.objects_near(waypoints, config.seen_radius_m, storey)
+    told = belief.affinity
+    return [{name: near[name].distance_m for name in told if name in near} for near in found]
 
 
 def _weigh(
     cluster: FrontierCluster,
-    objects: Mapping[str, float],
+    known: tuple[Mapping[str, float], float],
     is_guided: NDArray[np.bool_],
     belief: Belief,
     view: MapView,
     config: SearchPlanConfig,
 ) -> WeighedFrontier:
-    """What a frontier of this floor promises, and why."""
+    """What a frontier of this floor promises, and why.
+
+    Known are how far off things are, and from how near it was looked at, metres.
+    """
+    objects, looked_m = known
     cells = _cells_of(cluster.cells, view)
     area = unknown_area_m2(view.grid, cells, config.unknown_reach_m)
     unseen = 1.0 - math.exp(-area / config.unknown_half_m2)
@@ -241,7 +242,6 @@ def _weigh(
         nearness = 1.0 / (1.0 + (distance / config.seen_half_m) ** 2)
         if belief.affinity[category] * nearness > likelihood:
             likelihood, speaks = belief.affinity[category] * nearness, category
-    looked_m = belief.looks.nearest_m(cluster.middle, view, FAR_LOOK * config.looked_m)
     unseen *= 1.0 - math.exp2(-((looked_m / config.looked_m) ** 2))
     guided = bool(is_guided[tuple(cells.T)].any())
     weight = config.guided_node if guided else 1.0

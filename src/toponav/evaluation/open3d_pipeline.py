@@ -2,8 +2,13 @@
 
 What most systems of the field do with a frame: back-project it, transform it, add it to the merged
 cloud, and downsample the merged cloud by voxel; likewise for every category, and for what is
-navigable and what is in the way. Its cost a frame grows with the map. At a decision: the matrix of
-distances from every navigable point to every point of each cloud that attracts or repels it.
+navigable and what is in the way. What is navigable is interpolated from where the agent stands to
+the floor that the frame shows, as InstructNav does at every step: its 25 points to each voxel of
+floor, of which those near floor height count, downsampled by the grid before they are merged. Its
+frontiers, its clustering of masks and its matching of objects by distances between their points,
+all at every step too, are left out. The cost of a frame grows with the map. At a decision: the
+matrix of distances from every navigable point to every point of each cloud that attracts or repels
+it.
 """
 
 from __future__ import annotations
@@ -18,6 +23,9 @@ from scipy.spatial.distance import cdist
 from toponav.errors import MissingExtraError
 from toponav.mapping.semantic_map import MapConfig
 from toponav.types import Detections, Observation
+
+INTERPOLATED = 25
+"""Points of InstructNav from where the agent stands to a point of floor (its `mapper.py`)."""
 
 
 class Open3dPipeline:
@@ -49,11 +57,12 @@ class Open3dPipeline:
             mask = detections.masks[chosen].any(axis=0)
             seen = np.where(mask, observation.depth, np.float32(0.0))
             self._merge(f"object {label}", self._points(observation, seen))
-        floor_z = observation.world_from_base.translation[2]
-        heights = np.asarray(whole.points)[:, 2] - floor_z
+        stand = observation.world_from_base.translation
+        heights = np.asarray(whole.points)[:, 2] - stand[2]
         level = np.abs(heights) <= config.delta
         in_the_way = (heights > config.delta) & (heights < config.obstacle_top_m)
-        self._merge("navigable", whole.select_by_index(np.flatnonzero(level)))
+        floor = whole.select_by_index(np.flatnonzero(level))
+        self._merge("navigable", self._interpolated(stand, floor.voxel_down_sample(config.r_pcd)))
         self._merge("obstacles", whole.select_by_index(np.flatnonzero(in_the_way)))
 
     def pair_distances(self, targets: Sequence[NDArray[np.floating]]) -> None:
@@ -83,6 +92,15 @@ class Open3dPipeline:
         )
         cloud = geometry.PointCloud.create_from_rgbd_image(image, intrinsic)
         return cloud.transform(observation.world_from_camera.matrix)
+
+    def _interpolated(self, stand: NDArray[np.float64], floor: Any) -> Any:
+        """Points from where the agent stands to the floor that it sees, downsampled by the grid."""
+        seen = np.asarray(floor.points)
+        points = np.linspace(np.broadcast_to(stand, seen.shape), seen, INTERPOLATED).reshape(-1, 3)
+        points = points[np.abs(points[:, 2] - stand[2]) <= self._config.delta]
+        cloud = self._open3d.geometry.PointCloud(self._open3d.utility.Vector3dVector(points))
+        cloud.paint_uniform_color((0.4, 0.4, 0.4))
+        return cloud.voxel_down_sample(self._config.r_g)
 
     def _merge(self, name: str, new: Any) -> None:
         known = self._clouds.get(name)

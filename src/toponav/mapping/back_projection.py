@@ -92,7 +92,7 @@ class PosedFrame:
         return columns
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _crossings(
     frame: Frame, window: DepthWindow, heights: tuple[float, float], resolution: float
 ) -> NDArray[np.int64]:

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from toponav.mapping.frontiers import FrontierMap
 from toponav.mapping.occupancy import FloorGrid
 from toponav.mapping.storage import lengthened
-from toponav.mapping.voxels import EMPTY, VoxelCloud, columns_of, find_slot
+from toponav.mapping.voxels import EMPTY, VoxelCloud, column_of, find_slot
 
 
 class Layer(IntEnum):
@@ -75,6 +75,10 @@ class FloorLayers:
         self._scene = scene
         self._heights = (delta, obstacle_top)
         self._floors: list[Floor] = []
+        self._counted: list[tuple[NDArray[np.bool_], NDArray[np.bool_]]] = []
+        """Of each floor, which codes are navigable and which are in the way there."""
+        self._ascending = (np.empty(0), np.empty(0, np.int64))
+        """Heights and indices of the floors, the lowest first."""
         self._codes = np.empty(0, np.int16)
         self._is_stairs = np.empty(0, np.bool_)
         self._stairs = np.empty(0, np.int64)
@@ -104,9 +108,22 @@ class FloorLayers:
         """
         self._follow_storage()
         everything = np.arange(len(self._scene), dtype=np.int32)
-        self._count(everything, self._codes[everything], -1)
+        before = self._codes[everything]
         self._codes[everything] = NO_LAYER
+        self._count(everything, before, self._codes[everything])
         self._floors.append(floor)
+        self._counted = [
+            (
+                self._wanted(self._navigable_codes(other)),
+                self._wanted([_code(other, Layer.OBSTACLE)]),
+            )
+            for other in self._floors
+        ]
+        ascending = sorted(self._floors, key=lambda other: other.z)
+        self._ascending = (
+            np.array([other.z for other in ascending]),
+            np.array([other.index for other in ascending]),
+        )
         self.update(everything)
 
     def mark_stairs(self, keys: NDArray[np.int64]) -> None:
@@ -119,19 +136,16 @@ class FloorLayers:
     def update(self, slots: NDArray[np.int32]) -> None:
         """Sort scene voxels whose centroid or label changed, or that were emptied."""
         self._follow_storage()
-        ascending = sorted(self._floors, key=lambda floor: floor.z)
         arrays = self._scene.arrays
         moved, before = _classify(
             slots,
             (arrays.points, arrays.counts, self._is_stairs),
-            np.array([floor.z for floor in ascending]),
-            np.array([floor.index for floor in ascending]),
+            *self._ascending,
             self._heights,
             self._codes,
         )
         if len(moved):
-            self._count(moved, before, -1)
-            self._count(moved, self._codes[moved], +1)
+            self._count(moved, before, self._codes[moved])
 
     def navigable(self, floor: Floor) -> NDArray[np.int64]:
         """Slots of the scene voxels in M_nav of a floor, in order of first observation."""
@@ -152,19 +166,16 @@ class FloorLayers:
 
     def are_navigable(self, slots: NDArray[np.integer], floor: Floor) -> NDArray[np.bool_]:
         """(N,) which scene voxels are in M_nav of a floor."""
-        navigable: NDArray[np.bool_] = self._wanted(self._navigable_codes(floor))[
-            self._codes[slots]
-        ]
+        navigable: NDArray[np.bool_] = self._counted[floor.index][0][self._codes[slots]]
         return navigable
 
-    def _count(self, slots: NDArray[np.int32], codes: NDArray[np.int16], sign: int) -> None:
-        """Add voxels of those codes to the floors' grids, or take them away."""
-        columns = columns_of(self._scene.arrays.keys[slots])
-        for floor in self._floors:
-            navigable = self._wanted(self._navigable_codes(floor))[codes]
-            floor.grid.change(columns[navigable], navigable=sign, obstacles=0)
-            obstacle = codes == _code(floor, Layer.OBSTACLE)
-            floor.grid.change(columns[obstacle], navigable=0, obstacles=sign)
+    def _count(
+        self, slots: NDArray[np.int32], before: NDArray[np.int16], after: NDArray[np.int16]
+    ) -> None:
+        """Take voxels of one code off the floors' grids, and put them there with another."""
+        keys = self._scene.arrays.keys
+        for floor, counted in zip(self._floors, self._counted, strict=True):
+            floor.grid.change(*_changes(keys, slots, (before, after), counted))
 
     def _navigable_codes(self, floor: Floor) -> list[int]:
         """Its own floor and stairs, and the stairs that rise from the floor below."""
@@ -233,6 +244,36 @@ def _classify(
             codes[slot] = code
             changed += 1
     return moved[:changed], before[:changed]
+
+
+@njit(cache=True)
+def _changes(
+    keys: NDArray[np.int64],
+    slots: NDArray[np.int32],
+    codes: tuple[NDArray[np.int16], NDArray[np.int16]],
+    wanted: tuple[NDArray[np.bool_], NDArray[np.bool_]],
+) -> tuple[NDArray[np.int64], NDArray[np.int8], NDArray[np.int8]]:
+    """What changes on a floor, as `FloorGrid.change` takes it.
+
+    Args:
+        keys: Of all voxels.
+        slots: (N,) those that have changed.
+        codes: (N,) each, before and after.
+        wanted: Look-up tables of the codes that are navigable and in the way there.
+    """
+    before, after = codes
+    is_navigable, is_obstacle = wanted
+    columns = np.empty((slots.size, 2), np.int64)
+    navigable, obstacles = np.empty(slots.size, np.int8), np.empty(slots.size, np.int8)
+    count = 0
+    for row in range(slots.size):
+        old, new = before[row], after[row]
+        navigable[count] = np.int8(is_navigable[new]) - np.int8(is_navigable[old])
+        obstacles[count] = np.int8(is_obstacle[new]) - np.int8(is_obstacle[old])
+        if navigable[count] or obstacles[count]:
+            columns[count, 0], columns[count, 1] = column_of(keys[slots[row]])
+            count += 1
+    return columns[:count], navigable[:count], obstacles[:count]
 
 
 @njit(cache=True)

@@ -63,7 +63,7 @@ def interpolate(
     return points[:count]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _walk_rays(
     stand: NDArray[np.float64],
     targets: NDArray[np.float32],

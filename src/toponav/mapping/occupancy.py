@@ -81,19 +81,24 @@ class FloorGrid:
         arrays = (*columns, self._obstacles, self._cells)
         return sum(array.nbytes for array in arrays)
 
-    def change(self, columns: NDArray[np.int64], navigable: int, obstacles: int) -> None:
+    def change(
+        self,
+        columns: NDArray[np.int64],
+        navigable: NDArray[np.int8],
+        obstacles: NDArray[np.int8],
+    ) -> None:
         """Add voxels over columns, or take them away.
 
         Args:
             columns: (N, 2) world indices; a column may occur several times.
-            navigable: +1, 0 or -1 navigable voxels over each.
-            obstacles: +1, 0 or -1 obstacle voxels over each.
+            navigable: (N,) +1, 0 or -1 navigable voxels over each.
+            obstacles: (N,) +1, 0 or -1 obstacle voxels over each.
         """
         if len(columns):
             box, local = self._enclose(columns)
             counts = (self._navigable, self._obstacles)
             _change_counts(*counts, local, (navigable, obstacles), self._columns_per_cell)
-            self._classify(box)
+            self._classify(box, local)
 
     def bridge(self, columns: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Make columns navigable where there is no navigable voxel.
@@ -106,9 +111,11 @@ class FloorGrid:
         """
         if not len(columns):
             return np.zeros(0, np.bool_)
-        box, local = self._enclose(columns)
+        _, local = self._enclose(columns)
         new: NDArray[np.bool_] = _bridge_gaps(self._navigable, self._bridged, local)
-        self._classify(box)
+        if new.any():
+            box, local = self._enclose(columns[new])
+            self._classify(box, local)
         return new
 
     def see_through(self, columns: NDArray[np.int64]) -> None:
@@ -122,7 +129,7 @@ class FloorGrid:
             i, j = local.T
             count = self._seen_through[i, j]
             self._seen_through[i, j] = np.where(count < DROP_FRAMES, count + 1, count)
-            self._classify(box)
+            self._classify(box, local)
 
     def seen_through(self) -> tuple[NDArray[np.int64], NDArray[np.uint8]]:
         """(N, 2) world indices of the columns that were seen through or held, and their counts."""
@@ -134,13 +141,13 @@ class FloorGrid:
         if len(columns):
             box, local = self._enclose(columns)
             self._seen_through[local[:, 0], local[:, 1]] = counts
-            self._classify(box)
+            self._classify(box, local)
 
     def hold(self, columns: NDArray[np.int64]) -> None:
         """Note that the agent stands on (N, 2) columns."""
         box, local = self._enclose(columns)
         self._seen_through[local[:, 0], local[:, 1]] = SOLID
-        self._classify(box)
+        self._classify(box, local)
 
     def observed(self, columns: NDArray[np.int64]) -> NDArray[np.bool_]:
         """(N,) which (N, 2) columns hold an observed navigable voxel; they lie in the storage."""
@@ -163,7 +170,8 @@ class FloorGrid:
             shape: (2,) columns along x and y.
         """
         step = self._columns_per_cell
-        self._cover(first // step, (first + shape - 1) // step)
+        low, high = (first // step).tolist(), ((first + shape - 1) // step).tolist()
+        self._cover((low[0], low[1]), (high[0], high[1]))
         i, j = first - self._first_column
         window = (slice(i, i + shape[0]), slice(j, j + shape[1]))
         covered: NDArray[np.bool_] = (self._navigable[window] > 0) | self._bridged[window]
@@ -188,29 +196,30 @@ class FloorGrid:
 
     def _enclose(self, columns: NDArray[np.int64]) -> tuple[Box, NDArray[np.int64]]:
         """Make room for columns; returns their box of storage cells and their storage indices."""
-        box = _bounds(columns)
-        low, high = box[0] // self._columns_per_cell, box[1] // self._columns_per_cell
-        self._cover(low, high)
-        i, j = (int(index) for index in low - self._first)
-        i_last, j_last = (int(index) for index in high - self._first)
-        return (i, j, i_last + 1, j_last + 1), columns - self._first_column
+        n = self._columns_per_cell
+        low_i, low_j, high_i, high_j = (index // n for index in _bounds(columns))
+        self._cover((low_i, low_j), (high_i, high_j))
+        i, j = self._first
+        box = (low_i - i, low_j - j, high_i + 1 - i, high_j + 1 - j)
+        return box, _moved(columns, -i * n, -j * n)
 
-    def _classify(self, box: Box) -> None:
+    def _classify(self, box: Box, columns: NDArray[np.int64]) -> None:
+        """Classify the cells of changed columns anew, all of which lie in a box of cells."""
         counts = (self._navigable, self._bridged, self._seen_through, self._obstacles)
-        _classify_box(self._cells, counts, box, self._columns_per_cell, self._min_obstacle_voxels)
+        rules = (self._columns_per_cell, self._min_obstacle_voxels)
+        _classify_cells(self._cells, counts, columns, rules)
         self._known = union(self._known, box)
         self._changed = union(self._changed, box)
 
-    def _cover(self, low: NDArray[np.int64], high: NDArray[np.int64]) -> None:
+    def _cover(self, low: tuple[int, int], high: tuple[int, int]) -> None:
         """Grow the storage until it holds world cells `low` to `high`, inclusive."""
-        first = np.asarray(self._first, np.int64)
-        end = first + self._cells.shape
-        if self._cells.size and (low >= first).all() and (high < end).all():
+        (i, j), (rows, columns) = self._first, self._cells.shape
+        if i <= low[0] and j <= low[1] and high[0] < i + rows and high[1] < j + columns:
             return
-        if not self._cells.size:
-            first, end = low, low
-        new_first = np.where(low < first, low - GROWTH_CELLS, first)
-        new_end = np.where(high >= end, high + 1 + GROWTH_CELLS, end)
+        first = np.asarray(self._first if self._cells.size else low, np.int64)
+        end = first + self._cells.shape
+        new_first = np.where(np.less(low, first), np.subtract(low, GROWTH_CELLS), first)
+        new_end = np.where(np.greater_equal(high, end), np.add(high, 1 + GROWTH_CELLS), end)
         shape = tuple(int(n) for n in new_end - new_first)
         shift = (int(first[0] - new_first[0]), int(first[1] - new_first[1]))
         if shape[0] * shape[1] > MAX_CELLS:
@@ -254,29 +263,37 @@ def _shifted(box: Box, shift: tuple[int, int]) -> Box:
 
 
 @njit(cache=True)
-def _bounds(columns: NDArray[np.int64]) -> NDArray[np.int64]:
-    """(2, 2) least and greatest of (N, 2) indices, N >= 1."""
-    bounds = np.empty((2, 2), np.int64)
-    bounds[:] = columns[0]
+def _bounds(columns: NDArray[np.int64]) -> Box:
+    """The least (i, j) and the greatest of (N, 2) indices, N >= 1."""
+    low_i, low_j = high_i, high_j = columns[0, 0], columns[0, 1]
     for row in range(1, columns.shape[0]):
-        for axis in range(2):
-            bounds[0, axis] = min(bounds[0, axis], columns[row, axis])
-            bounds[1, axis] = max(bounds[1, axis], columns[row, axis])
-    return bounds
+        i, j = columns[row, 0], columns[row, 1]
+        low_i, high_i = min(low_i, i), max(high_i, i)
+        low_j, high_j = min(low_j, j), max(high_j, j)
+    return low_i, low_j, high_i, high_j
 
 
 @njit(cache=True)
+def _moved(columns: NDArray[np.int64], by_i: int, by_j: int) -> NDArray[np.int64]:
+    """(N, 2) indices, each moved by as much."""
+    moved = np.empty_like(columns)
+    for row in range(columns.shape[0]):
+        moved[row, 0], moved[row, 1] = columns[row, 0] + by_i, columns[row, 1] + by_j
+    return moved
+
+
+@njit(cache=True, error_model="numpy")
 def _change_counts(
     navigable: NDArray[np.int16],
     obstacles: NDArray[np.int16],
     columns: NDArray[np.int64],
-    change: tuple[int, int],
+    change: tuple[NDArray[np.int8], NDArray[np.int8]],
     columns_per_cell: int,
 ) -> None:
     for row in range(columns.shape[0]):
         i, j = columns[row, 0], columns[row, 1]
-        navigable[i, j] += change[0]
-        obstacles[i // columns_per_cell, j // columns_per_cell] += change[1]
+        navigable[i, j] += change[0][row]
+        obstacles[i // columns_per_cell, j // columns_per_cell] += change[1][row]
 
 
 @njit(cache=True)
@@ -291,34 +308,38 @@ def _bridge_gaps(
     return new
 
 
-@njit(cache=True)
-def _classify_box(
+@njit(cache=True, error_model="numpy")
+def _classify_cells(
     cells: NDArray[np.int8],
     counts: tuple[NDArray[np.int16], NDArray[np.bool_], NDArray[np.uint8], NDArray[np.int16]],
-    box: Box,
-    columns_per_cell: int,
-    min_obstacle_voxels: int,
+    columns: NDArray[np.int64],
+    rules: tuple[int, int],
 ) -> None:
     """G(i, j) of Section III-C; where both M_nav and M_obs project, the obstacle wins.
 
     Floor that was observed wins over what was seen through, and that over interpolated points.
     """
     navigable, bridged, seen_through, obstacles = counts
-    for i in range(box[0], box[2]):
-        for j in range(box[1], box[3]):
-            if obstacles[i, j] >= min_obstacle_voxels:
-                cells[i, j] = OCCUPIED
-                continue
-            observed, free, drop = False, False, False
-            for a in range(i * columns_per_cell, (i + 1) * columns_per_cell):
-                for b in range(j * columns_per_cell, (j + 1) * columns_per_cell):
-                    seen = seen_through[a, b]
-                    observed |= navigable[a, b] > 0
-                    free |= bridged[a, b] and seen != DROP_FRAMES
-                    drop |= seen == DROP_FRAMES
-            if observed:
-                cells[i, j] = FREE
-            elif drop:
-                cells[i, j] = DROP
-            else:
-                cells[i, j] = FREE if free else UNKNOWN
+    columns_per_cell, min_obstacle_voxels = rules
+    last_i, last_j = -1, -1
+    for row in range(columns.shape[0]):
+        i, j = columns[row, 0] // columns_per_cell, columns[row, 1] // columns_per_cell
+        if i == last_i and j == last_j:
+            continue
+        last_i, last_j = i, j
+        if obstacles[i, j] >= min_obstacle_voxels:
+            cells[i, j] = OCCUPIED
+            continue
+        observed, free, drop = False, False, False
+        for a in range(i * columns_per_cell, (i + 1) * columns_per_cell):
+            for b in range(j * columns_per_cell, (j + 1) * columns_per_cell):
+                seen = seen_through[a, b]
+                observed |= navigable[a, b] > 0
+                free |= bridged[a, b] and seen != DROP_FRAMES
+                drop |= seen == DROP_FRAMES
+        if observed:
+            cells[i, j] = FREE
+        elif drop:
+            cells[i, j] = DROP
+        else:
+            cells[i, j] = FREE if free else UNKNOWN

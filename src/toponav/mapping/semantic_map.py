@@ -40,6 +40,7 @@ from toponav.mapping.frontiers import FrontierMap
 from toponav.mapping.ground import height_of, heights_ahead, level_area_m2, points_near
 from toponav.mapping.interpolation import Spacing, disc, interpolate
 from toponav.mapping.occupancy import FloorGrid
+from toponav.mapping.surroundings import Surroundings
 from toponav.mapping.view import (
     FREE,
     DeferredCloud,
@@ -180,6 +181,7 @@ class SemanticMap:
         config = self.config
         self._scene = VoxelCloud(config.r_pcd)
         self._objects: dict[str, VoxelCloud] = {}
+        self._surroundings = Surroundings(self._objects)
         self._layers = FloorLayers(self._scene, config.delta, config.obstacle_top_m)
         self._floor: Floor | None = None
         self._view: MapView | None = None
@@ -191,7 +193,7 @@ class SemanticMap:
     def nbytes(self) -> int:
         """Memory that the map holds, bytes."""
         clouds = (self._scene, *self._objects.values())
-        extras = (self._layers, self._clearing, self._finder)
+        extras = (self._layers, self._surroundings, self._clearing, self._finder)
         return sum(part.nbytes for part in (*clouds, *extras) if part is not None)
 
     def integrate(self, observation: Observation, detections: Detections) -> FrameUpdate:
@@ -220,6 +222,7 @@ class SemanticMap:
         frame = PosedFrame(observation, window)
         labels = self._add_points(frame, detections)
         touched = self._scene.refresh()
+        self._surroundings.changed(self._scene.arrays.points, touched)
         floor = self._enter_floor(observation, touched)
         if self._find_flights(floor, touched):
             labels = tuple(dict.fromkeys((*labels, self.config.navigable_categories[0])))
@@ -295,6 +298,7 @@ class SemanticMap:
                 found = cloud.find(keys)
                 cloud.clear(found[found != EMPTY])
             self._layers.update(gone)
+            self._surroundings.changed(slots.points, gone)
         return slots.points[gone]
 
     def _add(self, label: str, sums: FrameSums, bit: int) -> bool:
@@ -326,6 +330,7 @@ class SemanticMap:
         cloud = self._objects.setdefault(category, VoxelCloud(self.config.r_pcd))
         cloud.add(self._scene.arrays.points[own], self._scene.arrays.colors[own])
         cloud.refresh()
+        self._surroundings.changed(self._scene.arrays.points, own)
         self._layers.mark_stairs(self._scene.arrays.keys[own])
         self._layers.update(own)
         return True
@@ -424,8 +429,10 @@ class SemanticMap:
 
     def _add_bridges(self, floor: Floor, points: NDArray[np.float64]) -> None:
         columns = np.floor(points[:, :2] / self.config.r_pcd).astype(np.int64)
-        floor.bridges.add(points[floor.grid.bridge(columns)])
-        floor.bridges.refresh()
+        new = floor.grid.bridge(columns)
+        if new.any():
+            floor.bridges.add(points[new])
+            floor.bridges.refresh()
 
     def _make_view(self) -> MapView:
         slots = self._scene.slots()
@@ -462,6 +469,7 @@ class SemanticMap:
             grid=grid,
             floor_z=floor.z,
             floor=floor.index,
+            object_search=self._surroundings,
         )
 
     def _deferred(self, make: Callable[[], PointCloud]) -> PointCloud:

@@ -9,6 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from toponav.mapping.nearby import NearObjects, ObjectSearch, near_objects
+
 FREE, UNKNOWN, OCCUPIED = 1, 0, -1
 """Values of G(i, j): navigable, otherwise, obstacle."""
 
@@ -113,6 +115,7 @@ class MapView:
         grid: G of the current floor.
         floor_z: z_floor of the current floor, metres.
         floor: Index of the current floor, stable over the episode.
+        object_search: Finds what is near places sooner than by a look at all of `objects`.
     """
 
     scene: PointCloud
@@ -124,6 +127,16 @@ class MapView:
     grid: OccupancyGrid
     floor_z: float
     floor: int = 0
+    object_search: ObjectSearch | None = None
+
+    def objects_near(
+        self, places: NDArray[np.floating], radius_m: float, heights_m: tuple[float, float]
+    ) -> list[NearObjects]:
+        """What is near each of (K, 2) places; `ObjectSearch.near` says more."""
+        if self.object_search is not None:
+            return self.object_search.near(places, radius_m, heights_m)
+        points = {category: cloud.points for category, cloud in self.objects.items()}
+        return near_objects(points, places, radius_m, heights_m)
 
 
 @dataclass(frozen=True, eq=False)

@@ -264,7 +264,7 @@ class VoxelCloud:
         """The slots touched since the last call, in that order, each once."""
         arrays = self._arrays
         slots = arrays.touched[: arrays.sizes[TOUCHED]].copy()
-        arrays.is_touched[slots] = False
+        _untouch(arrays.is_touched, slots)
         arrays.sizes[TOUCHED] = 0
         return slots
 
@@ -340,6 +340,13 @@ def pack_key(ix: int, iy: int, iz: int) -> int:
 
 
 @njit(cache=True)
+def column_of(key: int) -> tuple[int, int]:
+    """Integer x and y of the voxel of a key."""
+    x = ((key >> (2 * AXIS_BITS)) & AXIS_MASK) - AXIS_OFFSET
+    return x, ((key >> AXIS_BITS) & AXIS_MASK) - AXIS_OFFSET
+
+
+@njit(cache=True)
 def _entry_of(table: NDArray[np.int32], keys: NDArray[np.int64], key: int) -> int:
     """The table entry that holds `key`, or the empty one where it belongs.
 
@@ -401,6 +408,13 @@ def _claim_slots(
         slots[row] = slot
     sizes[VOXELS], sizes[TOUCHED] = size, touched_size
     return slots
+
+
+@njit(cache=True)
+def _untouch(is_touched: NDArray[np.bool_], slots: NDArray[np.int32]) -> None:
+    """Unmark slots: several times as fast as by an index."""
+    for slot in slots:
+        is_touched[slot] = False
 
 
 @njit(cache=True)

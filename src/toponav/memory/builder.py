@@ -205,16 +205,12 @@ class MemoryBuilder:
         positions = np.array([node.position for node in nodes])
         low = map_view.floor_z - self._config.below_floor_m
         high = map_view.floor_z + self._config.storey_height_m
-        found: list[list[str]] = [[] for _ in nodes]
-        around = Neighbourhoods(positions, self._config.r_topo)
-        for category in sorted(map_view.objects):
-            near = around.near(map_view.objects[category].points, (low, high))
-            for index in np.flatnonzero(near.counts >= self._config.min_object_points):
-                found[index].append(category)
-        frontiers = around.near(map_view.frontiers).counts
-        for node, objects, frontier_count in zip(nodes, found, frontiers, strict=True):
+        found = map_view.objects_near(positions, self._config.r_topo, (low, high))
+        frontiers = Neighbourhoods(positions, self._config.r_topo).near(map_view.frontiers).counts
+        for node, near, frontier_count in zip(nodes, found, frontiers, strict=True):
+            enough = (c for c, o in near.items() if o.points >= self._config.min_object_points)
             self._memory.describe_node(
-                node.id, objects=tuple(objects), frontier_count=int(frontier_count)
+                node.id, objects=tuple(sorted(enough)), frontier_count=int(frontier_count)
             )
 
 
