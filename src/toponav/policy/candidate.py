@@ -52,6 +52,14 @@ class EvidenceConfig(ConfigModel):
     implausible: float = -2.5
     """Each way in which its shape, seen from nearby, is none of the target's kind."""
 
+    impossible_names: bool = True
+    """A frame in which it is called what its shape rules out tells nothing: not whether it is the
+    target, and not that it is none. Detectors call sofas beds more often than not."""
+
+    better: float | None = 1.0
+    """What was settled on as nothing else was left is given up for something that so much more
+    speaks for; None sticks to it."""
+
     steadiness: Annotated[float, Field(ge=0.0)] = 0.5
     """Frames from one side that make its word count half of what many frames would."""
 
