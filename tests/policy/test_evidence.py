@@ -74,6 +74,15 @@ def test_being_missed_and_being_called_something_else_speak_against() -> None:
     assert not watched(*seen, *[(NORTH_EAST, "chair", 0.9)] * 9).leads(ORIGIN)
 
 
+def test_sure_detections_from_all_sides_do_not_outweigh_an_impossible_shape() -> None:
+    evidence = TargetEvidence(CONFIG, "bed")
+    for eye in (EAST, NORTH, WEST) * 3:
+        observation, [mask] = frame([BALL], *eye)
+        evidence.observe(observation, said(("bed", 0.9, mask)))
+    assert odds(evidence) == pytest.approx(CONFIG.implausible_most)
+    assert CONFIG.lead < CONFIG.implausible_most < CONFIG.probable
+
+
 def test_being_called_what_its_shape_rules_out_tells_nothing() -> None:
     seen = [(EAST, "plant", 0.55)] * 3
     as_bed = [*seen, *[(NORTH_EAST, "bed", 0.9)] * 3]  # a ball of 0.6 m is no bed

@@ -36,6 +36,7 @@ def ways(points: np.ndarray, category: str, *, all_round: bool = True) -> int:
         ("bed", block(1.6, 2.0, 0.45, 0.5)),  # no more than the mattress is seen
         ("toilet", block(0.4, 0.6, 0.0, 0.75)),
         ("tv_monitor", block(1.1, 0.0, 1.2, 1.8)),
+        ("tv_monitor", block(1.1, 0.3, 0.0, 1.1)),  # with the stand below it
         ("plant", block(0.3, 0.3, 1.5, 2.0)),
         ("picture", block(0.6, 0.0, 1.4, 1.8)),
     ],

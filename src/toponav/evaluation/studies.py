@@ -129,7 +129,11 @@ STUDIES: dict[str, Study] = {
             _set("without-plan", search="null"),
             _set("without-affinity", search='{"semantic_exponent": 0}'),
             _set("without-node", search='{"guided_node": 1}'),
-            _set("without-shapes", goal__evidence__implausible="0"),
+            _set(
+                "without-shapes",
+                goal__evidence__implausible="0",
+                goal__evidence__implausible_most="100",
+            ),
             _set("without-impossible-names", goal__evidence__impossible_names="false"),
             _set("without-second-thoughts", goal__evidence__better="null"),
             _set("without-gaps", locomotion__recovery__maneuver_m="0"),

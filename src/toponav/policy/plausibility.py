@@ -14,7 +14,7 @@ MIN_POINTS = 8
 """Of fewer points nothing can be said."""
 
 SMALLEST_M = {
-    "bed": 0.7, "sofa": 0.6, "chair": 0.35, "toilet": 0.25, "tv_monitor": 0.36, "plant": 0.12,
+    "bed": 0.7, "sofa": 0.6, "chair": 0.35, "toilet": 0.25, "tv_monitor": 0.42, "plant": 0.12,
     "table": 0.35, "bathtub": 0.5, "wardrobe": 0.5, "fridge": 0.35,
 }  # fmt: skip
 """Least extent along the longest side of what is seen of one from nearby, half hidden, metres."""
@@ -35,12 +35,15 @@ STANDING = frozenset({
 HIGHEST_FOOT_M = 0.9
 """The lower end of a standing thing, where something hides its foot, metres above the floor."""
 
-RAISED_FOOT_M = {"tv_monitor": 0.2}
-"""The lower end of what stands on furniture or hangs, metres above the floor: ovens, fireplaces and
-stands have screen-like fronts that reach farther down."""
-
 LEAST_TOP_M = {"tv_monitor": 0.7, "sofa": 0.5, "chair": 0.5, "toilet": 0.3}
 """The upper end, metres above the floor."""
+
+FRONTS = frozenset({"tv_monitor"})
+"""Categories that look like the fronts of ovens and fireplaces."""
+
+FRONT_FOOT_M, FRONT_TOP_M = 0.2, 0.95
+"""What reaches from below the one to nothing above the other is such a front, metres above the
+floor: a screen begins higher up, and with the stand that clings to it ends higher up."""
 
 BACKED = frozenset({"chair", "sofa"})
 """Categories with a back that rises above the seat."""
@@ -109,7 +112,8 @@ def implausibilities(
         longest > LARGEST_M.get(category, np.inf),
         category in SOLID and all_round and bool(on_wall),
         category in STANDING and foot > HIGHEST_FOOT_M,
-        foot < RAISED_FOOT_M.get(category, -np.inf) or top < LEAST_TOP_M.get(category, -np.inf),
+        top < LEAST_TOP_M.get(category, -np.inf),
+        category in FRONTS and foot < FRONT_FOOT_M and top < FRONT_TOP_M,
         raised is not None and category in BACKED and raised < LITTLE_RAISED,
         raised is not None and category in UNBACKED and raised > MUCH_RAISED,
     )
