@@ -20,10 +20,12 @@ EAST, NORTH_EAST, NORTH, WEST = (1.8, 0.0), (1.3, 1.3), (0.0, 1.8), (-1.8, 0.0)
 
 
 def watched(
-    *frames: tuple[tuple[float, float], str | None, float], config: EvidenceConfig = CONFIG
+    *frames: tuple[tuple[float, float], str | None, float],
+    config: EvidenceConfig = CONFIG,
+    target: str = "plant",
 ) -> TargetEvidence:
-    """The evidence on a plant after a ball was seen from these places and taken for these."""
-    evidence = TargetEvidence(config, "plant")
+    """The evidence on a target after a ball was seen from these places and taken for these."""
+    evidence = TargetEvidence(config, target)
     for eye, label, score in frames:
         observation, [mask] = frame([BALL], *eye)
         evidence.observe(observation, said((label, score, mask)) if label else said())
@@ -81,6 +83,16 @@ def test_sure_detections_from_all_sides_do_not_outweigh_an_impossible_shape() ->
         evidence.observe(observation, said(("bed", 0.9, mask)))
     assert odds(evidence) == pytest.approx(CONFIG.implausible_most)
     assert CONFIG.lead < CONFIG.implausible_most < CONFIG.probable
+
+
+def test_a_doubtful_shape_stays_doubtful_in_frames_that_show_little_of_it() -> None:
+    evidence = watched(*[(EAST, "bed", 0.9)] * 3, target="bed")
+    [candidate] = evidence.candidates
+    assert candidate.implausible
+    observation, [mask] = frame([BALL], 1.8, 0.0, at=(0.0, 1.7))  # cut off by the image's border
+    assert mask.any()
+    evidence.observe(observation, said(("bed", 0.9, mask)))
+    assert candidate.implausible
 
 
 def test_being_called_what_its_shape_rules_out_tells_nothing() -> None:

@@ -213,7 +213,8 @@ class Candidate:
         self.hit = np.concatenate([self.hit, other.hit])
         self.verdict = max(self.verdict, other.verdict, key=abs)
         self.returns = max(self.returns, other.returns)
-        self.implausible = min(self.implausible, other.implausible)
+        if other.looks:  # of mere points no shape has been judged
+            self.implausible = min(self.implausible, other.implausible)
         for eye in other.eyes:
             self.note_eye(np.array(eye))
         for key, look in other.looks.items():
