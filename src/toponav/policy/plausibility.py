@@ -38,6 +38,9 @@ HIGHEST_FOOT_M = 0.9
 LEAST_TOP_M = {"tv_monitor": 0.7, "sofa": 0.5, "chair": 0.5, "toilet": 0.3}
 """The upper end, metres above the floor."""
 
+MOST_TOP_M = {"bed": 1.8, "sofa": 1.5, "chair": 1.6, "toilet": 1.4}
+"""Walls of a corridor that is taken for a bed reach higher: models of furniture end at 1.0."""
+
 FRONTS = frozenset({"tv_monitor"})
 """Categories that look like the fronts of ovens and fireplaces."""
 
@@ -113,6 +116,7 @@ def implausibilities(
         category in SOLID and all_round and bool(on_wall),
         category in STANDING and foot > HIGHEST_FOOT_M,
         top < LEAST_TOP_M.get(category, -np.inf),
+        top > MOST_TOP_M.get(category, np.inf),
         category in FRONTS and foot < FRONT_FOOT_M and top < FRONT_TOP_M,
         raised is not None and category in BACKED and raised < LITTLE_RAISED,
         raised is not None and category in UNBACKED and raised > MUCH_RAISED,
