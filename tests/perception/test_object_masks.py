@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -122,3 +124,47 @@ def test_what_stands_before_the_middle_of_a_wide_thing_is_not_it() -> None:
     [mask] = object_masks(hidden, boxed(sofa, label="sofa")).masks
     assert not (mask & table).any()
     assert np.count_nonzero(mask) > 0.5 * np.count_nonzero(sofa & ~table)
+
+
+def before_the_wall(depth_of_thing: NDArray[np.float64], thing: NDArray[np.bool_]) -> Observation:
+    """The room's wall, with a thing of so much depth before it."""
+    observation, _ = room()
+    depth = np.where(thing, depth_of_thing, observation.depth).astype(np.float32)
+    return replace(observation, depth=depth)
+
+
+def rectangle(rows: slice, columns: slice) -> NDArray[np.bool_]:
+    """Pixels of a part of the image."""
+    mask = np.zeros((CAMERA.height, CAMERA.width), np.bool_)
+    mask[rows, columns] = True
+    return mask
+
+
+def test_the_wall_that_a_thing_touches_is_not_part_of_it() -> None:
+    thing = rectangle(slice(40, 72), slice(80, 110))
+    # As smooth a surface as a wall's: from the wall it comes forth by 3 cm a column.
+    slanting = WALL_M - 0.03 * (np.arange(CAMERA.width)[None, :] - 79.0) + np.zeros(thing.shape)
+    box = rectangle(slice(40, 72), slice(30, 110))  # most of it shows the wall
+    [mask] = object_masks(before_the_wall(slanting, thing), boxed(box, label="toilet")).masks
+    assert np.count_nonzero(mask & thing) > 0.7 * np.count_nonzero(thing)
+    assert np.count_nonzero(mask & ~thing) == 0
+
+
+def test_leaves_are_told_from_the_wall_between_them() -> None:
+    row, column = np.mgrid[: CAMERA.height, : CAMERA.width]
+    bounds = rectangle(slice(30, 70), slice(60, 100))
+    leaves = bounds & (row % 8 < 4) & (column % 8 < 4)
+    observation = before_the_wall(np.full(leaves.shape, WALL_M - 0.4), leaves)
+    [mask] = object_masks(observation, boxed(bounds, label="plant")).masks
+    assert np.count_nonzero(mask & leaves) > 0.9 * np.count_nonzero(leaves)
+    assert not (mask & ~leaves).any()
+
+
+def test_what_hangs_on_a_wall_is_not_taken_for_the_wall() -> None:
+    observation, _ = room()
+    box = rectangle(slice(30, 60), slice(60, 100))
+    [screen] = object_masks(observation, boxed(box, label="tv_monitor")).masks
+    [flat_chair] = object_masks(observation, boxed(box, label="chair")).masks
+    assert np.count_nonzero(screen) > 0.8 * np.count_nonzero(box)
+    # Where nothing but the wall is in a box, the wall is all that can be meant.
+    np.testing.assert_array_equal(screen, flat_chair)

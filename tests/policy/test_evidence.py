@@ -19,9 +19,13 @@ ORIGIN = np.zeros(2)
 EAST, NORTH_EAST, NORTH, WEST = (1.8, 0.0), (1.3, 1.3), (0.0, 1.8), (-1.8, 0.0)
 
 
-def watched(*frames: tuple[tuple[float, float], str | None, float]) -> TargetEvidence:
-    """The evidence on a plant after a ball was seen from these places and taken for these."""
-    evidence = TargetEvidence(CONFIG, "plant")
+def watched(
+    *frames: tuple[tuple[float, float], str | None, float],
+    config: EvidenceConfig = CONFIG,
+    target: str = "plant",
+) -> TargetEvidence:
+    """The evidence on a target after a ball was seen from these places and taken for these."""
+    evidence = TargetEvidence(config, target)
     for eye, label, score in frames:
         observation, [mask] = frame([BALL], *eye)
         evidence.observe(observation, said((label, score, mask)) if label else said())
@@ -70,6 +74,51 @@ def test_being_missed_and_being_called_something_else_speak_against() -> None:
     other = odds(watched(*seen, *[(NORTH_EAST, "chair", 0.9)] * 3))
     assert other < missed < plain
     assert not watched(*seen, *[(NORTH_EAST, "chair", 0.9)] * 9).leads(ORIGIN)
+
+
+def test_sure_detections_from_all_sides_do_not_outweigh_an_impossible_shape() -> None:
+    evidence = TargetEvidence(CONFIG, "bed")
+    for eye in (EAST, NORTH, WEST) * 3:
+        observation, [mask] = frame([BALL], *eye)
+        evidence.observe(observation, said(("bed", 0.9, mask)))
+    assert odds(evidence) == pytest.approx(CONFIG.implausible_most)
+    assert CONFIG.lead < CONFIG.implausible_most < CONFIG.probable
+
+
+def test_a_doubtful_shape_stays_doubtful_in_frames_that_show_little_of_it() -> None:
+    evidence = watched(*[(EAST, "bed", 0.9)] * 3, target="bed")
+    [candidate] = evidence.candidates
+    assert candidate.implausible
+    observation, [mask] = frame([BALL], 1.8, 0.0, at=(0.0, 1.7))  # cut off by the image's border
+    assert mask.any()
+    evidence.observe(observation, said(("bed", 0.9, mask)))
+    assert candidate.implausible
+
+
+def test_being_called_what_its_shape_rules_out_tells_nothing() -> None:
+    seen = [(EAST, "plant", 0.55)] * 3
+    as_bed = [*seen, *[(NORTH_EAST, "bed", 0.9)] * 3]  # a ball of 0.6 m is no bed
+    assert odds(watched(*as_bed)) == pytest.approx(odds(watched(*seen)))
+    heedless = CONFIG.model_copy(update={"impossible_names": False})
+    as_chair = [*seen, *[(NORTH_EAST, "chair", 0.9)] * 3]
+    assert odds(watched(*as_bed, config=heedless)) == pytest.approx(odds(watched(*as_chair)))
+
+
+@pytest.mark.parametrize(("better", "leading"), [(1.0, 1), (None, -1)])
+def test_what_was_settled_on_is_given_up_for_something_likelier(
+    better: float | None, leading: int
+) -> None:
+    balls = [Ball(0.0, -1.0), Ball(0.0, 1.0)]
+    evidence = TargetEvidence(CONFIG.model_copy(update={"better": better}), "plant")
+    observation, [left, right] = frame(balls, 2.6, 0.0)
+    evidence.observe(observation, said(("plant", 0.4, left)))
+    [poor] = evidence.candidates
+    evidence.settle(poor)
+    evidence.observe(observation, said(("plant", 0.4, left), ("plant", 0.41, right)))
+    assert evidence.leads(ORIGIN)[0] is poor  # not likelier by enough
+    for _ in range(2):
+        evidence.observe(observation, said(("plant", 0.4, left), ("plant", 0.7, right)))
+    assert round(float(evidence.leads(ORIGIN)[0].center[1])) == leading
 
 
 def test_what_is_hidden_is_not_missed() -> None:

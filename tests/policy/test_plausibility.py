@@ -18,6 +18,11 @@ def block(x_m: float, y_m: float, low_m: float, high_m: float) -> np.ndarray:
     return points + np.array([4.0, -1.0, FLOOR_Z + low_m])
 
 
+def seat(x_m: float, y_m: float, seat_m: float, back_m: float) -> np.ndarray:
+    """A block with a back along its longer side, a quarter of it deep."""
+    return np.concatenate([block(x_m, y_m, 0.1, seat_m), block(x_m, y_m / 4.0, seat_m, back_m)])
+
+
 def ways(points: np.ndarray, category: str, *, all_round: bool = True) -> int:
     return implausibilities(points, FLOOR_Z, category, all_round=all_round)
 
@@ -25,11 +30,13 @@ def ways(points: np.ndarray, category: str, *, all_round: bool = True) -> int:
 @pytest.mark.parametrize(
     ("category", "thing"),
     [
-        ("sofa", block(1.8, 0.8, 0.1, 0.8)),
-        ("chair", block(0.45, 0.45, 0.0, 0.9)),
+        ("sofa", seat(1.8, 0.8, 0.45, 0.8)),
+        ("chair", seat(0.45, 0.45, 0.45, 0.9)),
+        ("chair", block(0.1, 0.45, 0.5, 0.9)),  # no more than the back is seen
         ("bed", block(1.6, 2.0, 0.45, 0.5)),  # no more than the mattress is seen
         ("toilet", block(0.4, 0.6, 0.0, 0.75)),
         ("tv_monitor", block(1.1, 0.0, 1.2, 1.8)),
+        ("tv_monitor", block(1.1, 0.3, 0.0, 1.1)),  # with the stand below it
         ("plant", block(0.3, 0.3, 1.5, 2.0)),
         ("picture", block(0.6, 0.0, 1.4, 1.8)),
     ],
@@ -41,9 +48,17 @@ def test_things_as_they_stand_in_homes_are_plausible(category: str, thing: np.nd
 @pytest.mark.parametrize(
     ("category", "thing"),
     [
-        ("sofa", block(0.3, 0.3, 0.1, 0.5)),  # too small
+        ("sofa", seat(0.3, 0.3, 0.1, 0.6)),  # too small
+        ("sofa", block(1.6, 0.4, 0.1, 0.7)),  # a stand for a television
+        ("chair", block(0.9, 0.6, 0.35, 0.55)),  # a coffee table
+        ("chair", block(1.4, 0.8, 0.65, 0.75)),  # a table
+        ("bed", seat(1.8, 0.8, 0.45, 0.8)),  # a sofa
+        ("toilet", seat(1.5, 0.7, 0.3, 0.55)),  # a bath
+        ("tv_monitor", block(0.3, 0.1, 0.75, 0.95)),  # a laptop
+        ("tv_monitor", block(0.6, 0.0, 0.1, 0.85)),  # the front of an oven
         ("plant", block(0.7, 0.0, 1.3, 1.9)),  # a poster of one
-        ("toilet", block(0.4, 0.4, 1.4, 1.9)),  # too high up
+        ("toilet", block(0.4, 0.4, 0.95, 1.35)),  # too high up
+        ("bed", block(2.7, 0.1, 0.2, 2.5)),  # the walls of a corridor
     ],
 )
 def test_one_thing_is_wrong_with_it(category: str, thing: np.ndarray) -> None:
@@ -51,7 +66,7 @@ def test_one_thing_is_wrong_with_it(category: str, thing: np.ndarray) -> None:
 
 
 def test_several_things_may_be_wrong() -> None:
-    assert ways(block(0.2, 0.0, 2.0, 2.2), "sofa") == 3
+    assert ways(block(0.2, 0.0, 2.0, 2.2), "sofa") == 4
 
 
 def test_from_one_side_the_back_of_a_chair_is_as_flat_as_a_picture() -> None:

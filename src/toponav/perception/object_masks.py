@@ -2,8 +2,9 @@
 
 A box also holds the floor before the thing, the wall behind it and whatever stands in front. The
 thing is taken to be the connected surface, without jumps in depth, that fills most of the middle of
-the box and reaches to its sides, which what stands in front does not; the floor under it and what
-lies deeper than a thing of its kind can be are left out.
+the box and reaches to its sides, which what stands in front does not; the floor under it, the wall
+behind it (`toponav.perception.walls`) and what lies deeper than a thing of its kind can be are left
+out.
 """
 
 from __future__ import annotations
@@ -15,6 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_erosion, find_objects, label
 
+from toponav.geometry import back_project
+from toponav.perception.walls import on_walls
 from toponav.types import Detections, Observation
 
 Scalar = TypeVar("Scalar", bound=np.generic)
@@ -24,6 +27,27 @@ FLOOR_M = 0.06
 
 FLAT = frozenset({"rug"})
 """Categories that lie on the floor."""
+
+ON_WALLS = frozenset({
+    "tv_monitor", "picture", "mirror", "towel", "window", "door", "whiteboard", "fireplace",
+    "cabinet", "counter", "shower", "clothes",
+})  # fmt: skip
+"""Categories that hang on a wall or are built into one: what lies in it may be theirs."""
+
+LEAST_LEFT = 0.05
+"""Where less of a box is no wall, the wall is the thing after all: a wardrobe seen from beside."""
+
+LOOSE = frozenset({"plant"})
+"""Categories of many small surfaces with gaps between: all of them are the thing."""
+
+LOOSE_M = 0.25
+"""How far the other surfaces of a loose thing lie before or behind the main one, metres."""
+
+FRINGE = (2.0, 98.0)
+"""Percentiles of the main surface's depths between which it lies."""
+
+THIN = 0.3
+"""What would lose more than all but this share with its edge is not eroded: leaves, chair legs."""
 
 JUMP_M = 0.05
 JUMP_PER_M = 0.03
@@ -70,29 +94,21 @@ def object_masks(observation: Observation, detections: Detections) -> Detections
     """
     if not detections.masks_are_boxes or not len(detections):
         return detections
-    above_floor = _above_floor(observation)
+    points = observation.world_from_camera.apply(
+        back_project(observation.depth, observation.intrinsics).reshape(-1, 3)
+    ).reshape(*observation.depth.shape, 3)
+    foot_z = float(observation.world_from_base.translation[2])
     masks = [
-        _object_mask(observation.depth, above_floor, box, name)
+        _object_mask(observation.depth, points, foot_z, box, name)
         for box, name in zip(detections.masks, detections.labels, strict=True)
     ]
     return replace(detections, masks=np.stack(masks), masks_are_boxes=False)
 
 
-def _above_floor(observation: Observation) -> NDArray[np.float64]:
-    """(H, W) height of every pixel's point above the agent's floor, metres."""
-    camera, pose = observation.intrinsics, observation.world_from_camera
-    columns = (np.arange(camera.width) - camera.cx) / camera.fx
-    rows = (np.arange(camera.height) - camera.cy) / camera.fy
-    upward = pose.rotation[2]
-    slope = upward[0] * columns[None, :] + upward[1] * rows[:, None] + upward[2]
-    eye = pose.translation[2] - observation.world_from_base.translation[2]
-    height: NDArray[np.float64] = eye + observation.depth * slope
-    return height
-
-
 def _object_mask(
     depth: NDArray[np.float32],
-    above_floor: NDArray[np.float64],
+    points: NDArray[np.float64],
+    foot_z: float,
     box: NDArray[np.bool_],
     name: str,
 ) -> NDArray[np.bool_]:
@@ -102,20 +118,33 @@ def _object_mask(
     if not len(rows):
         return mask
     window = (slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1))
-    near, height = depth[window], above_floor[window]
-    solid = (near > 0.0) & ((height > FLOOR_M) | (name in FLAT))
+    near = depth[window]
     if not (near > 0.0).any():
         return box
+    standing = (depth > 0.0) & ((points[..., 2] > foot_z + FLOOR_M) | (name in FLAT))
+    solid = standing[window]
+    if name not in ON_WALLS | FLAT:
+        free = solid & ~on_walls(points, depth, standing, window)
+        if np.count_nonzero(free) >= LEAST_LEFT * np.count_nonzero(solid):
+            solid = free
     surface = _main_surface(near, solid)
     if surface.any():
+        if name in LOOSE:
+            first, last = np.percentile(near[surface], FRINGE)
+            surface = solid & (near >= first - LOOSE_M) & (near <= last + LOOSE_M)
         front = float(np.percentile(near[surface], FRONT))
         surface &= near <= front + LARGEST_M.get(name, LARGEST_OTHER_M)
-    width = max(1, round(depth.shape[1] * EROSION_PER_COLUMN))
-    inner = binary_erosion(surface, iterations=width)
-    surface = inner if inner.any() else surface
+    surface = _without_edge(surface, max(1, round(depth.shape[1] * EROSION_PER_COLUMN)))
     if np.count_nonzero(surface) >= MIN_PIXELS_PER_MEGAPIXEL * 1e-6 * depth.size:
         mask[window] = surface
     return mask
+
+
+def _without_edge(surface: NDArray[np.bool_], width: int) -> NDArray[np.bool_]:
+    """(h, w) a surface, eroded by so many pixels unless little would be left of it."""
+    inner: NDArray[np.bool_] = binary_erosion(surface, iterations=width)
+    enough = np.count_nonzero(inner) > THIN * np.count_nonzero(surface)
+    return inner if enough else surface
 
 
 def _main_surface(depth: NDArray[np.float32], solid: NDArray[np.bool_]) -> NDArray[np.bool_]:

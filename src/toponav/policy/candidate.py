@@ -52,6 +52,18 @@ class EvidenceConfig(ConfigModel):
     implausible: float = -2.5
     """Each way in which its shape, seen from nearby, is none of the target's kind."""
 
+    implausible_most: float = 0.5
+    """Such a thing is no likelier than this, however sure a detector is of it from all sides: it is
+    sure of the same thing each time. Enough to be looked at, not to be stopped at."""
+
+    impossible_names: bool = True
+    """A frame in which it is called what its shape rules out tells nothing: not whether it is the
+    target, and not that it is none. Detectors call sofas beds more often than not."""
+
+    better: float | None = 1.0
+    """What was settled on as nothing else was left is given up for something that so much more
+    speaks for; None sticks to it."""
+
     steadiness: Annotated[float, Field(ge=0.0)] = 0.5
     """Frames from one side that make its word count half of what many frames would."""
 
@@ -176,7 +188,8 @@ class Candidate:
     def seen_odds(self, config: EvidenceConfig) -> float:
         """What its shape and all looks at it say, whatever was made of that."""
         shape = config.prior + config.implausible * self.implausible
-        return shape + sum(look.log_odds(config) for look in self.looks.values())
+        odds = shape + sum(look.log_odds(config) for look in self.looks.values())
+        return min(odds, config.implausible_most) if self.implausible else odds
 
     def log_odds(self, config: EvidenceConfig) -> float:
         """All that speaks for and against it, earlier verdicts too."""
@@ -200,7 +213,8 @@ class Candidate:
         self.hit = np.concatenate([self.hit, other.hit])
         self.verdict = max(self.verdict, other.verdict, key=abs)
         self.returns = max(self.returns, other.returns)
-        self.implausible = min(self.implausible, other.implausible)
+        if other.looks:  # of mere points no shape has been judged
+            self.implausible = min(self.implausible, other.implausible)
         for eye in other.eyes:
             self.note_eye(np.array(eye))
         for key, look in other.looks.items():

@@ -103,6 +103,21 @@ class TargetEvidence:
             self._sight(observation, mask)
         for candidate in self._candidates:
             self._look(candidate, observation, detections, own)
+        self._give_up_settled()
+
+    def _give_up_settled(self) -> None:
+        """Drop what was settled on if something likelier has come into view since."""
+        config = self._config
+        if config.better is None:
+            return
+        settled = [c for c in self._candidates if c.verdict >= SETTLED / 2.0]
+        if not settled:
+            return
+        odds = max(candidate.seen_odds(config) for candidate in settled) + config.better
+        fresh = (c for c in self._candidates if c not in settled)
+        if any(c.seen_odds(config) >= odds and c.log_odds(config) >= config.lead for c in fresh):
+            for candidate in settled:
+                candidate.verdict -= SETTLED
 
     def side_of(self, candidate: Candidate, eye: NDArray[np.float64]) -> int:
         """The side from which a (2,) or (3,) eye looks at a candidate."""
@@ -176,13 +191,26 @@ class TargetEvidence:
                 all_round=candidate.near_sides() > 1,
             )
             candidate.note_eye(eye)
+        others = ~is_target & (covered >= self._config.other_overlap)
+        if not hits.any() and others.any():
+            names = {detections.labels[row] for row in np.flatnonzero(others)}
+            if all(self._cannot_be(candidate, name, observation) for name in names):
+                return
         look = candidate.looks.setdefault((self.side_of(candidate, eye), near), Look(weight))
         look.frames += 1
         if hits.any():
             look.hits += 1
             look.score += float(detections.scores[hits].max())
-        elif (~is_target & (covered >= self._config.other_overlap)).any():
+        elif others.any():
             look.others += 1
+
+    def _cannot_be(self, candidate: Candidate, name: str, observation: Observation) -> bool:
+        """Whether its shape rules out what a candidate is called."""
+        if not self._config.impossible_names:
+            return False
+        foot_z = float(observation.world_from_base.translation[2])
+        points = candidate.own_points(self._config)
+        return implausibilities(points, foot_z, name, all_round=False) > 0
 
     def _in_view(
         self, points: NDArray[np.float64], observation: Observation
