@@ -71,7 +71,9 @@ def test_the_riser_between_the_floor_and_the_first_tread_is_no_gap() -> None:
     cells[LANDING - 1, 1:-1], floor[LANDING - 1, 1:-1] = UNKNOWN, False
     new_cells, new_heights = filled(cells, heights, floor)
     assert (new_cells[LANDING - 1, 1:-1] == FREE).all()
-    assert np.isnan(new_heights[LANDING - 1, 1:-1]).all()
+    between = np.abs(new_heights[LANDING - 1, 1:-1])
+    assert (between > 0.0).all()
+    assert (between < np.abs(heights[LANDING, 1:-1])).all()
 
 
 def test_the_ends_of_a_flight_are_its_last_treads() -> None:
