@@ -75,8 +75,8 @@ class SearchPlanConfig(ConfigModel):
     """Share of that for an edge from which stairs may be seen that lead down: a look from there
     costs no more than the way to it."""
 
-    storey_m: Annotated[float, Field(ge=0.0)] = 25.0
-    """What stairs cost beyond the way to them, metres: the flight, and half of the search of the
+    storey_m: Annotated[float, Field(ge=0.0)] = 15.0
+    """What stairs cost beyond the way to them, metres: the flight, and some of the search of the
     floor to which they lead, before something is found there."""
 
     places: Annotated[int, Field(ge=1, le=MAX_PLACES)] = 10
