@@ -125,6 +125,7 @@ STUDIES: dict[str, Study] = {
             _set("without-evidence", goal__evidence="null"),
             _set("without-glimpses", goal__glimpses="null"),
             _set("without-stairwells", map__stairwells="false"),
+            _set("without-stairs-by-shape", map__stairs_by_shape="false"),
             _set("without-sight", decide_on_sight="false"),
             _set("without-plan", search="null"),
             _set("without-affinity", search='{"semantic_exponent": 0}'),
