@@ -144,6 +144,28 @@ def test_what_the_agent_came_through_is_no_obstacle() -> None:
     assert is_barred(bumps, (0.0, 0.0), 0.0, open_grid()), "it has to aim better"
 
 
+def test_the_way_back_is_free_though_it_bumped_beside_it_but_not_where_it_bumped() -> None:
+    bumps, grid = BumpMemory(CONFIG), open_grid()
+    bumps.stand((-0.25, 0.0))
+    bumps.add(pose(0.0, 0.0, 120.0))
+    back = bumps.barring((0.0, 0.0), grid, back=True)
+    assert is_barred(bumps, (0.0, 0.0), 180.0, grid)
+    assert not back(math.radians(180.0))
+    assert back(math.radians(120.0))
+    bumps.add(pose(0.0, 0.0, 180.0))
+    assert bumps.barring((0.0, 0.0), grid, back=True)(math.radians(180.0))
+
+
+def test_where_walks_are_given_up_again_what_was_felt_there_is_forgotten() -> None:
+    bumps, grid = BumpMemory(CONFIG), open_grid()
+    bumps.add(pose())
+    bumps.add(pose(3.0, 0.0))
+    bumps.give_up((0.0, 0.0))
+    assert len(bumps.obstacles(grid)) == 2
+    bumps.give_up((0.1, 0.0))
+    assert bumps.obstacles(grid)[:, 0].tolist() == [3.25]
+
+
 def test_bumps_off_the_map_are_felt() -> None:
     bumps = BumpMemory(CONFIG)
     bumps.add(pose(x=50.0))

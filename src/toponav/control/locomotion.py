@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from enum import Enum
 
@@ -17,6 +18,9 @@ from toponav.control.planner import Clearance, CostField, Planner, PlannerConfig
 from toponav.control.recovery import BumpMemory, ProgressMonitor, RecoveryConfig
 from toponav.mapping.view import MapView, OccupancyGrid
 from toponav.types import Action, Observation
+
+MOVED_M = 0.1
+"""A walk that has come no farther than this has not begun."""
 
 NEARBY_M = 5.0
 """A cost-to-go field is worked out as far as the agent, and for what costs up to this more: the
@@ -66,6 +70,7 @@ class Locomotion:
         self._squeezing = False
         self._threading: deque[Action] = deque()
         self._in_gap = False
+        self._set_out: NDArray[np.float64] | None = None
         self.progress = Progress.IDLE
 
     def observe(self, observation: Observation) -> None:
@@ -100,6 +105,7 @@ class Locomotion:
         self._monitor.restart()
         self._threading.clear()
         self._in_gap = False
+        self._set_out = None
         self.redirect(goals)
 
     def redirect(self, goals: NDArray[np.floating]) -> None:
@@ -127,6 +133,8 @@ class Locomotion:
         xy = observation.world_from_base.translation[:2]
         if self._guide is not None:
             return self._next_guided(self._guide, observation)
+        if self._set_out is None:
+            self._set_out = xy
         if view is not None and observation.collided:
             self._thread(observation, view)
         self._in_gap = bool(self._threading)
@@ -141,8 +149,12 @@ class Locomotion:
         if self._monitor.stalled(xy, field) or circles:
             self._bumps.give_up(xy)
         else:
-            barred = self._bumps.barring(xy, grid)
-            action = self._follower.next_action(observation.world_from_base, field, barred)
+            pose = observation.world_from_base
+            action = self._follower.next_action(pose, field, self._bumps.barring(xy, grid))
+            if action is None and math.dist(xy, self._set_out) < MOVED_M:
+                # Caught before it began: first back to where it came from.
+                back = self._bumps.barring(xy, grid, back=True)
+                action = self._follower.next_action(pose, field, back)
         if action is None:
             self.progress = Progress.GAVE_UP
         else:

@@ -95,6 +95,7 @@ class BumpMemory:
         self._bumps = np.zeros((0, 3))
         self._forced = np.zeros(0, np.bool_)
         self._stood: dict[tuple[int, int], tuple[float, float]] = {}
+        self._given_up: list[NDArray[np.float64]] = []
 
     def stand(self, xy: ArrayLike) -> None:
         """The agent stands at (2 or 3,) a place."""
@@ -108,8 +109,21 @@ class BumpMemory:
         self._forced = np.append(self._forced, False)
 
     def give_up(self, xy: ArrayLike) -> None:
-        """A walk got no farther than (2,) xy: do not lead the next one through the same gap."""
-        self._forced |= self._away(xy) <= self._config.given_up_m
+        """A walk got no farther than (2,) xy: do not lead the next one through the same gap.
+
+        Where that happens again, what was learnt by bumping has led nowhere: it is forgotten.
+        """
+        near = self._away(xy) <= self._config.given_up_m
+        here = np.asarray(xy, dtype=np.float64)
+        again = [math.dist(here, place) <= self._config.given_up_m for place in self._given_up]
+        if any(again):
+            self._bumps, self._forced = self._bumps[~near], self._forced[~near]
+            self._given_up = [
+                p for p, is_here in zip(self._given_up, again, strict=True) if not is_here
+            ]
+            return
+        self._given_up.append(here)
+        self._forced |= near
 
     def is_gap(self, xy: ArrayLike, grid: OccupancyGrid) -> bool:
         """Whether the agent has grazed what is mapped about (2,) xy more than once.
@@ -120,21 +134,24 @@ class BumpMemory:
         grazes = self._explained(grid) & ~self._forced
         return bool(about.sum() > 1 and grazes[about].all())
 
-    def barring(self, xy: ArrayLike, grid: OccupancyGrid) -> HeadingBarred:
+    def barring(self, xy: ArrayLike, grid: OccupancyGrid, *, back: bool = False) -> HeadingBarred:
         """Tells the headings at which a forward step from (2,) xy would be blocked again.
 
-        Where it came from it can go back, whatever it has bumped into beside that way.
+        Args:
+            xy: Where the agent stands, world frame, metres.
+            grid: Known space.
+            back: Where it came from it can go back, whatever it has bumped into beside that way.
         """
         config = self._config
         distance = self._away(xy)
         touching = ~self._explained(grid) & (distance <= config.touching_m)
         limit = np.radians(np.where(touching, config.wall_angle_deg, config.bump_angle_deg))
         near = distance <= config.bump_radius_m
-        back = self._ways_back(xy)
+        ways_back = self._ways_back(xy) if back else np.zeros(0)
 
         def barred(heading: float) -> bool:
             turn = np.abs(_turns(self._bumps[:, 2], heading))
-            if (np.abs(_turns(back, heading)) <= BACK_RAD).any():
+            if (np.abs(_turns(ways_back, heading)) <= BACK_RAD).any():
                 return bool((near & (turn <= SAME_RAD)).any())
             return bool((near & (turn <= limit)).any())
 
