@@ -56,3 +56,17 @@ def test_the_target_on_the_other_level_is_found(house: Path, way: str) -> None:
     result = runner.run(runner.episode(list(STARTS).index(way)))
     assert result.floor_change
     assert result.success["0.1"], result
+
+
+@pytest.mark.parametrize("way", STARTS)
+@pytest.mark.parametrize("by_shape", [True, False])
+def test_where_nothing_names_stairs_their_shape_does(
+    house: Path, way: str, *, by_shape: bool
+) -> None:
+    config = small_config(preset="default", max_steps=400)
+    names = tuple(name for name in config.navigator.vocabulary if name != "stairs")
+    grown = config.navigator.map.model_copy(update={"stairs_by_shape": by_shape})
+    navigator = config.navigator.model_copy(update={"vocabulary": names, "map": grown})
+    runner = SceneRunner(load_scene(str(house)), config.model_copy(update={"navigator": navigator}))
+    result = runner.run(runner.episode(list(STARTS).index(way)))
+    assert result.success["0.1"] == by_shape, result

@@ -31,6 +31,13 @@ def box(low: tuple[float, float], high: tuple[float, float], top: float) -> NDAr
     return np.column_stack([x.ravel(), y.ravel(), np.full(x.size, top)]).astype(np.float32)
 
 
+def ramp() -> NDArray[np.float32]:
+    """(N, 3) voxels that rise like a flight, without steps."""
+    points = surface()
+    points[:, 2] = np.maximum(points[:, 0], 0.0) * RISER_M / TREAD_M
+    return points
+
+
 @pytest.mark.parametrize("yaw", [0.0, 0.6, 2.2])
 def test_a_flight_is_found_whatever_its_heading(yaw: float) -> None:
     finder, points = FlightFinder(), surface(yaw=yaw)
@@ -61,9 +68,11 @@ def test_noise_of_a_depth_camera_does_not_hide_a_flight() -> None:
         surface(rise=0.35),
         surface(steps=2),
         np.vstack([box((0.0, 0.0), (0.9, 2.0), 0.42), box((0.7, 0.0), (0.9, 2.0), 0.85)]),
-        np.vstack([box((0.1 * k, 0.0), (0.1 * k + 0.1, 0.4), 0.18 * k) for k in range(1, 8)]),
+        np.vstack([box((0.25 * k, 0.0), (0.25 * k + 0.25, 0.4), 0.18 * k) for k in range(1, 9)]),
+        surface(run=0.15),
+        ramp(),
     ],
-    ids=["floor", "benches", "two steps", "a sofa", "a narrow rack"],
+    ids=["floor", "benches", "two steps", "a sofa", "a narrow rack", "a ladder", "a ramp"],
 )
 def test_other_things_are_no_flights(points: NDArray[np.float32]) -> None:
     finder = FlightFinder()
@@ -81,7 +90,21 @@ def test_a_known_flight_grows_by_the_treads_that_are_seen_later() -> None:
     assert finder.inside(points).sum() > known + 50
 
 
-def test_the_same_flight_is_not_found_twice() -> None:
-    finder, points = FlightFinder(), surface()
+def test_parts_of_a_flight_that_overlap_are_one() -> None:
+    finder, points = FlightFinder(), surface(steps=9)
+    assert finder.look(0, 0.0, points[points[:, 0] < 6 * TREAD_M])
+    half = finder.inside(points).sum()
     assert finder.look(0, 0.0, points)
-    assert not finder.look(0, 0.0, points)
+    whole = finder.inside(points)
+    assert whole.sum() > half + 100
+    assert not finder.look(1, 0.0, points), "from another floor it is the same flight"
+
+
+def test_a_wall_or_a_floor_beyond_its_end_is_no_tread() -> None:
+    finder, points = FlightFinder(), surface(steps=6)
+    assert finder.look(0, 0.0, points)
+    top, end = 6 * RISER_M, 6 * TREAD_M
+    floor = box((end, -0.5), (end + 1.5, 0.5), top)
+    for _ in range(4):
+        finder.grow(floor)
+    assert not finder.inside(floor[floor[:, 0] > end + 0.6]).any()

@@ -152,7 +152,7 @@ class Locomotion:
             pose = observation.world_from_base
             action = self._follower.next_action(pose, field, self._bumps.barring(xy, grid))
             if action is None and math.dist(xy, self._set_out) < MOVED_M:
-                # Caught before it began: first back to where it came from.
+                # Caught before it began: the headings back to where it stood are free.
                 back = self._bumps.barring(xy, grid, back=True)
                 action = self._follower.next_action(pose, field, back)
         if action is None:

@@ -248,7 +248,7 @@ class PlannedSearch:
 
     def look(self, observation: Observation, view: MapView, walker: Locomotion) -> Action | None:
         """On arrival, the turn towards what is left of the frontier; None when that is seen."""
-        if self._landing and self._waypoint is not None:
+        if self._landing and self._waypoint is not None and not self._turns:
             self._landed.append(self._waypoint)
         action = self._drops.look(observation, view, walker, landing=self._landing)
         if action is not None:

@@ -44,8 +44,9 @@ class RecoveryConfig(ConfigModel):
     """Bumps within `bump_radius_m` of each other after which explained ones block, too."""
 
     given_up_m: float = Field(default=0.6, ge=0.0)
-    """Where a walk is given up, explained bumps within this distance, metres, block from then on:
-    the gap is wide enough on the map, but not for steps and turns of the agent's size."""
+    """Where a walk is given up, explained bumps within this distance, metres, block from then on,
+    until one is given up there again: the gap is wide enough on the map, but not for steps and
+    turns of the agent's size."""
 
     maneuver_m: float = Field(default=0.0, ge=0.0)
     """After a second bump in one place, turns and steps that just fit are sought until the way is
@@ -83,10 +84,10 @@ class BumpMemory:
     """Remembers where forward steps were cut short.
 
     A bump beside a mapped obstacle is a graze and only bars its heading, until a walk is given up
-    there. One that nothing on the
-    map explains means an obstacle that no image shows: it is put on the map where it was felt, and
-    forgotten once the map shows something there, or the agent passes. What it came through it can
-    go back through: it only has to aim better.
+    there. One that nothing on the map explains means an obstacle that no image shows: it is put on
+    the map where it was felt, and forgotten once the map shows something there, or the agent
+    passes, or walks are given up there again. What it came through it can go back through: it only
+    has to aim better.
     """
 
     def __init__(self, config: RecoveryConfig) -> None:
@@ -172,7 +173,7 @@ class BumpMemory:
         return unvisited
 
     def _ways_back(self, xy: ArrayLike) -> NDArray[np.float64]:
-        """(K,) headings from (2,) xy to where the agent stood a step ago or so, radians."""
+        """(K,) headings from (2,) xy to where the agent has stood, about a step away, radians."""
         offset = np.array(list(self._stood.values())).reshape(-1, 2) - np.asarray(xy, np.float64)
         away = np.hypot(offset[:, 0], offset[:, 1])
         offset = offset[(away >= BACK_M[0]) & (away <= BACK_M[1])]

@@ -27,6 +27,9 @@ FLAT_M = 0.08
 RISERS_M = (0.12, 0.22)
 """Heights of a step that people climb."""
 
+WINDOW_MARGIN_M = 1.5
+"""What lies so near to what a frame has changed is looked at with it."""
+
 STEP_REACH = 4
 """The next tread is no more cells away than this."""
 
@@ -54,14 +57,18 @@ LEAST_EVENNESS = 0.6
 LEAST_FILLED = 0.6
 """Share of its cells, in plan, of which a tread must have been seen."""
 
-GROWTH_M = 0.35
-"""A known flight goes on where treads are seen this near to its end, a step further."""
+GROWTH_M = 0.6
+"""A known flight goes on where treads are seen this near to its end, two steps further: who comes
+down it does not see the next one."""
 
 GROWTH_CELLS = 4
-"""Cells of such treads, side by side."""
+"""In so many columns of cells across the flight."""
+
+NEWS_M = 0.05
+"""An end or side that has moved by less is where it was: news costs a look at the whole map."""
 
 WALL_M = 1.7
-"""What reaches higher over the floor is more likely a wall; known flights grow up to there."""
+"""Treads are sought below this height over the floor: what reaches higher is more likely a wall."""
 
 BELOW_M = 1.0
 """What is this far under the line of the treads is part of the flight: its sides, what bears it."""
@@ -88,7 +95,10 @@ class Flight(NamedTuple):
 
 
 class FlightFinder:
-    """Watches the highest points over the floor for flights."""
+    """Watches the highest points over the floor for flights.
+
+    Heights only rise and a flight stays one: what has been seen to go leaves the map, not this.
+    """
 
     def __init__(self) -> None:
         """Know of none."""
@@ -138,8 +148,9 @@ class FlightFinder:
         grown = False
         for k, flight in enumerate(self._flights):
             along = _grown(flight, points)
-            grown |= along != flight.along
-            self._flights[k] = flight._replace(along=along)
+            if np.abs(np.subtract(along, flight.along)).max() >= NEWS_M:
+                self._flights[k] = flight._replace(along=along)
+                grown = True
         return grown
 
     def inside(self, points: NDArray[np.float32]) -> NDArray[np.bool_]:
@@ -154,8 +165,10 @@ class FlightFinder:
         for k, known in enumerate(self._flights):
             joined = _joined(known, flight)
             if joined is not None:
-                self._flights[k] = joined
-                return joined != known
+                ends = np.subtract((*joined.along, *joined.across), (*known.along, *known.across))
+                news = bool((np.abs(ends) >= NEWS_M).any())
+                self._flights[k] = joined if news else known
+                return news
         self._flights.append(flight)
         return True
 
@@ -182,7 +195,7 @@ class _Tops:
         self, box: tuple[NDArray[np.int64], NDArray[np.int64]]
     ) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
         """The heights in a box with a margin of a flight's width, and the cell of its corner."""
-        margin = round(1.5 / CELL_M)
+        margin = round(WINDOW_MARGIN_M / CELL_M)
         low = np.maximum(box[0] - margin - self._first, 0)
         high = np.minimum(box[1] + margin + 1 - self._first, self.heights.shape)
         return self.heights[low[0] : high[0], low[1] : high[1]], low + self._first

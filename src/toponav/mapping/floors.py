@@ -101,7 +101,7 @@ class FloorLayers:
         return self._codes.nbytes + self._is_stairs.nbytes + floors
 
     def add_floor(self, floor: Floor) -> None:
-        """Add a floor, and sort the whole scene anew; the only step that costs what the map holds.
+        """Add a floor, and sort the whole scene anew, which costs what the map holds.
 
         Args:
             floor: Its index is the number of floors so far.

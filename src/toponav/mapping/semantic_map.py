@@ -167,7 +167,8 @@ class MapParts(NamedTuple):
 class SemanticMap:
     """M_scene, M_obj, M_nav, M_obs and M_fro of Section III-C, grown frame by frame.
 
-    A frame costs what the frame holds, not what the map holds.
+    A frame costs what the frame holds, not what the map holds, but for those that found a floor or
+    find a flight of stairs.
     """
 
     def __init__(self, config: MapConfig | None = None) -> None:
@@ -224,9 +225,9 @@ class SemanticMap:
         touched = self._scene.refresh()
         self._surroundings.changed(self._scene.arrays.points, touched)
         floor = self._enter_floor(observation, touched)
+        self._layers.update(touched)
         if self._find_flights(floor, touched):
             labels = tuple(dict.fromkeys((*labels, self.config.navigable_categories[0])))
-        self._layers.update(touched)
         navigable = touched[self._layers.are_navigable(touched, floor)]
         points = self._scene.arrays.points[navigable]
         foot = observation.world_from_base.translation
@@ -253,6 +254,7 @@ class SemanticMap:
     def restore_object(self, label: str, cloud: VoxelCloud) -> None:
         """Take over M_obj of a category, whose voxels are in the scene."""
         self._objects[label] = cloud
+        self._surroundings = Surroundings(self._objects)
         if label in self.config.navigable_categories:
             self._layers.mark_stairs(cloud.arrays.keys[: len(cloud)])
 
@@ -260,6 +262,8 @@ class SemanticMap:
         """Add the next floor of another map."""
         floor = self._new_floor(len(self._layers.floors), z)
         self._layers.add_floor(floor)
+        if self._finder is not None:
+            self._finder.look(floor.index, z, self._scene.cloud().points)
         return floor
 
     def view(self) -> MapView:
@@ -328,7 +332,7 @@ class SemanticMap:
             return False
         category = self.config.navigable_categories[0]
         cloud = self._objects.setdefault(category, VoxelCloud(self.config.r_pcd))
-        cloud.add(self._scene.arrays.points[own], self._scene.arrays.colors[own])
+        cloud.add_sums(self._scene.one_of_each(own))
         cloud.refresh()
         self._surroundings.changed(self._scene.arrays.points, own)
         self._layers.mark_stairs(self._scene.arrays.keys[own])

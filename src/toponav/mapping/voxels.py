@@ -249,6 +249,18 @@ class VoxelCloud:
             _add_sums(self._arrays, slots, self.resolution, sums)
         return chosen
 
+    def one_of_each(self, slots: NDArray[np.int32]) -> VoxelSums:
+        """A point of each voxel, its centroid, for another cloud of the same resolution."""
+        arrays = self._arrays
+        keys = arrays.keys[slots]
+        corners = unpack_keys(keys) * self.resolution
+        return VoxelSums(
+            keys=keys,
+            offset_sums=arrays.points[slots] - corners,
+            color_sums=arrays.colors[slots].astype(np.uint32),
+            counts=np.ones(len(slots), np.int32),
+        )
+
     def clear(self, slots: NDArray[np.int32]) -> None:
         """Empty voxels; their slots stay, and take points again when some come."""
         if not len(slots):

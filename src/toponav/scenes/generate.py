@@ -22,7 +22,7 @@ STAIRS_RUN_M = 4.3
 """Horizontal length of a flight: 33 degrees."""
 STAIRS_WIDTH_M = 1.0
 STAIRS_LANDING_M = 1.1
-"""Free floor at both ends of a flight."""
+"""Free floor at the head of a flight."""
 STAIRS_FOOT_M = 1.8
 """From the foot to the wall ahead: one passes even where a sofa stands against that wall."""
 
