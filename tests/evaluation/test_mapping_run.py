@@ -15,8 +15,8 @@ from toponav.geometry import Pose
 from toponav.types import Detections
 
 
-class LeftHalfIsChair:
-    """Calls the left half of every image a chair, and remembers what it was asked for."""
+class LeftHalfIsCounter:
+    """Calls the left half of every image a counter, and remembers what it was asked for."""
 
     def __init__(self) -> None:
         self.asked: list[tuple[str, ...]] = []
@@ -27,40 +27,40 @@ class LeftHalfIsChair:
         masks = np.zeros((1, height, width), np.bool_)
         masks[0, :, : width // 2] = True
         box = np.array([[0, 0, width // 2, height]], np.float32)
-        return Detections(("chair",), np.ones(1, np.float32), box, masks)
+        return Detections(("counter",), np.ones(1, np.float32), box, masks)
 
 
 class TwoNames:
     """Calls one thing by two names, of which it is surer of the first."""
 
     def detect(self, rgb: NDArray[np.uint8], vocabulary: Sequence[str]) -> Detections:
-        one = LeftHalfIsChair().detect(rgb, vocabulary)
+        one = LeftHalfIsCounter().detect(rgb, vocabulary)
         scores = np.array([0.9, 0.6], np.float32)
         both = [np.repeat(array, 2, axis=0) for array in (one.boxes, one.masks)]
-        return Detections(("chair", "bench"), scores, *both)
+        return Detections(("counter", "bench"), scores, *both)
 
 
 def test_of_two_names_for_one_thing_the_likelier_stays(tmp_path: Path) -> None:
     write_recording(tmp_path, Pose.identity())
     run = map_recording(open_recording(tmp_path), TwoNames())
-    assert list(run.view.objects) == ["chair"]
+    assert list(run.view.objects) == ["counter"]
 
 
 def test_a_recording_gives_a_map_a_memory_and_its_path(tmp_path: Path) -> None:
     poses = write_recording(tmp_path, Pose.identity(), count=24)
-    detector, progress = LeftHalfIsChair(), []
-    config = NavigatorConfig(vocabulary=("chair", "bed"))
+    detector, progress = LeftHalfIsCounter(), []
+    config = NavigatorConfig(vocabulary=("counter", "bed"))
     run = map_recording(
         open_recording(tmp_path), detector, config, lambda *done: progress.append(done)
     )
     assert progress == [(k + 1, 24) for k in range(24)]
-    assert detector.asked == [("chair", "bed")] * 24
+    assert detector.asked == [("counter", "bed")] * 24
     np.testing.assert_allclose(run.trajectory[:, 0], [p.translation[0] for p in poses], atol=1e-6)
     np.testing.assert_allclose(run.trajectory[:, 2], FLOOR_Z, atol=0.01)
-    assert 0 < len(run.view.objects["chair"]) < len(run.view.scene)
+    assert 0 < len(run.view.objects["counter"]) < len(run.view.scene)
     length = 0.2 * 23
     assert len(run.memory.nodes) == 1 + int(length / NODE_SPACING_M)
-    assert run.memory.nodes[0].objects == ("chair",)
+    assert run.memory.nodes[0].objects == ("counter",)
     assert run.map_bytes > 0
 
 
@@ -73,9 +73,9 @@ def test_without_a_detector_the_map_has_no_objects(tmp_path: Path) -> None:
 
 def test_clouds_are_written_by_name_and_read_back(tmp_path: Path) -> None:
     write_recording(tmp_path / "hall", Pose.identity())
-    view = map_recording(open_recording(tmp_path / "hall"), LeftHalfIsChair()).view
+    view = map_recording(open_recording(tmp_path / "hall"), LeftHalfIsCounter()).view
     paths = write_clouds(view, tmp_path / "out")
-    assert sorted(paths) == ["navigable", "objects/chair", "obstacles", "scene"]
-    for name, cloud in (("scene", view.scene), ("objects/chair", view.objects["chair"])):
+    assert sorted(paths) == ["navigable", "objects/counter", "obstacles", "scene"]
+    for name, cloud in (("scene", view.scene), ("objects/counter", view.objects["counter"])):
         vertices = trimesh.load(paths[name]).vertices
         np.testing.assert_array_equal(vertices.astype(np.float32), cloud.points)
