@@ -106,6 +106,11 @@ class FlightFinder:
         self._flights: list[Flight] = []
 
     @property
+    def has_flights(self) -> bool:
+        """Whether any is known."""
+        return bool(self._flights)
+
+    @property
     def nbytes(self) -> int:
         """Memory held, bytes."""
         return sum(tops.heights.nbytes for tops in self._tops.values())

@@ -323,11 +323,11 @@ class SemanticMap:
         points = self._scene.arrays.points[touched]
         news = self._finder.look(floor.index, floor.z, points)
         news |= self._finder.grow(points)
-        everything = np.arange(len(self._scene), dtype=np.int32)
-        slots = everything if news else touched
-        kept = self._finder.inside(self._scene.arrays.points[slots])
-        kept &= self._scene.arrays.counts[slots] > 0
-        own = slots[kept]
+        if not self._finder.has_flights:
+            return False
+        slots = np.arange(len(self._scene), dtype=np.int32) if news else touched
+        inside = slots[self._finder.inside(self._scene.arrays.points[slots])]
+        own = inside[self._scene.arrays.counts[inside] > 0]
         if not len(own):
             return False
         category = self.config.navigable_categories[0]
