@@ -116,15 +116,14 @@ class BumpMemory:
         """
         near = self._away(xy) <= self._config.given_up_m
         here = np.asarray(xy, dtype=np.float64)
-        again = [math.dist(here, place) <= self._config.given_up_m for place in self._given_up]
-        if any(again):
+        reach_m = self._config.given_up_m
+        elsewhere = [place for place in self._given_up if math.dist(here, place) > reach_m]
+        if len(elsewhere) == len(self._given_up):
+            self._given_up.append(here)
+            self._forced |= near
+        else:
+            self._given_up = elsewhere
             self._bumps, self._forced = self._bumps[~near], self._forced[~near]
-            self._given_up = [
-                p for p, is_here in zip(self._given_up, again, strict=True) if not is_here
-            ]
-            return
-        self._given_up.append(here)
-        self._forced |= near
 
     def is_gap(self, xy: ArrayLike, grid: OccupancyGrid) -> bool:
         """Whether the agent has grazed what is mapped about (2,) xy more than once.

@@ -57,10 +57,10 @@ def on_walls(
     """
     rows, columns = window
     around = tuple(_widened(side, end) for side, end in zip(window, standing.shape, strict=True))
-    beside = np.zeros_like(standing)
-    beside[around] = standing[around]
-    beside[rows, columns] = False
-    places = points[beside][:, :2]
+    beside = standing[around].copy()
+    top, left = around[0].start, around[1].start
+    beside[rows.start - top : rows.stop - top, columns.start - left : columns.stop - left] = False
+    places = points[around][beside][:, :2]
     inside = points[rows, columns, :2]
     found = np.zeros(inside.shape[:2], np.bool_)
     if len(places) < LEAST_BESIDE:
